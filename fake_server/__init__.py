@@ -1,0 +1,1 @@
+"""A stand-in for rcssserver that real Keepaway clients can play on."""

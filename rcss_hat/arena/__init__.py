@@ -1,0 +1,1 @@
+"""Simulation, players and policies in one compiled loop; no text, no sockets."""

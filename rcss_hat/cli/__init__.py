@@ -1,0 +1,1 @@
+"""The ``rcss-hat`` command."""

@@ -1,0 +1,1 @@
+"""Conditions, trials, metrics, statistics and figures of the paper's evaluation."""

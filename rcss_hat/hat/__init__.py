@@ -1,0 +1,1 @@
+"""Human-Agent Transfer: demonstrations, decision lists and the transfer methods."""

@@ -1,0 +1,1 @@
+"""The Keepaway task: state variables, macro-actions, keeper, taker and the fixed policies."""

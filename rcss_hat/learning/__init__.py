@@ -1,0 +1,1 @@
+"""Function approximators, Sarsa and exploration, compiled."""

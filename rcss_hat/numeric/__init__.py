@@ -1,0 +1,1 @@
+"""The ground floor: compilation, random streams, angles and the numbers of the wire."""

@@ -1,0 +1,1 @@
+"""Players over UDP: connections, clients and the launcher of whole teams."""
