@@ -244,6 +244,10 @@ SERVER_PARAMETERS: tuple[Parameter, ...] = (
 
 BY_NAME: dict[str, Parameter] = {parameter.name: parameter for parameter in SERVER_PARAMETERS}
 PROFILES = ("19.0", "11.1")
+KIND_NAMES: dict[type, str] = {
+    bool: "0, 1, true, false, on or off", int: "an integer", float: "a number", str: "text"
+}  # fmt: skip
+"""What a person may write for a parameter of each kind."""
 
 KERNEL_PARAMETERS: tuple[str, ...] = (
     "audio_cut_dist", "back_dash_rate", "ball_accel_max", "ball_decay", "ball_rand", "ball_size", "ball_speed_max",
@@ -269,6 +273,27 @@ PARAMS = np.dtype([(name, "f8") for name in KERNEL_PARAMETERS] + [("version_11",
 
 ``version_11`` is 1 for the behaviour of server 11.1, 0 for 19.0.
 """
+
+
+def checked(parameter: Parameter, value: Value) -> Value:
+    """Return a value in the type of its parameter.
+
+    Raises
+    ------
+    TypeError
+        When it is of the wrong kind.
+    """
+    kind = parameter.kind
+    if kind is str:
+        fits = isinstance(value, str)
+    elif kind is bool:
+        fits = isinstance(value, (bool, int)) and value in (0, 1)
+    else:
+        fits = isinstance(value, (int, float)) and (kind is float or float(value).is_integer())
+    if not fits:
+        raise TypeError(f"{parameter.name} takes {KIND_NAMES[kind]}, not {value!r}")
+    converted: Value = kind(value)
+    return converted
 
 
 class ServerParams(Mapping[str, Value]):
@@ -302,16 +327,7 @@ class ServerParams(Mapping[str, Value]):
         """Change one parameter."""
         if name not in BY_NAME:
             raise KeyError(f"unknown server parameter {name!r}")
-        kind = BY_NAME[name].kind
-        if kind is str:
-            fits = isinstance(value, str)
-        elif kind is bool:
-            fits = isinstance(value, (bool, int)) and value in (0, 1)
-        else:
-            fits = isinstance(value, (int, float)) and (kind is float or float(value).is_integer())
-        if not fits:
-            raise TypeError(f"server parameter {name} takes {_KIND_NAMES[kind]}, not {value!r}")
-        self._values[name] = kind(value)
+        self._values[name] = checked(BY_NAME[name], value)
 
     def __getitem__(self, name: str) -> Value:
         return self._values[name]
@@ -344,7 +360,6 @@ class ServerParams(Mapping[str, Value]):
                 yield parameter.name, self._values[parameter.name]
 
 
-_KIND_NAMES = {bool: "0, 1, true, false, on or off", int: "an integer", float: "a number", str: "text"}
 # What makes server 19's formulas behave as 11.1 did, where 11.1 had no such parameter.
 _AS_IN_11 = {
     "extra_stamina": 0.0, "min_dash_power": -100.0, "stamina_capacity": -1.0, "max_back_tackle_power": 100.0,
