@@ -9,15 +9,17 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from rcss_hat.numeric.jit import njit
 
 
 @njit
 def quantize(value: float, step: float) -> float:
-    """Round to a multiple of ``step``, halves to even; unchanged when the step is below 1e-10 (19.0.0)."""
+    """Round to a multiple of ``step``, halves to even, -0 kept; unchanged when the step is below 1e-10 (19.0.0)."""
     if step < 1e-10:
         return value
-    return float(round(value / step)) * step
+    return float(np.rint(value / step)) * step
 
 
 @njit
