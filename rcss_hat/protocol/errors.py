@@ -1,0 +1,56 @@
+"""What can go wrong between a client and a server: the peer's fault, or ours."""
+
+from __future__ import annotations
+
+EXCERPT = 24
+"""Bytes of the message quoted on either side of an error."""
+
+
+class ProtocolError(Exception):
+    """Something the protocol does not allow; only its two kinds can be raised."""
+
+    def __init__(self, message: str) -> None:
+        if type(self) is ProtocolError:
+            raise TypeError("ProtocolError is abstract; raise LocalProtocolError or RemoteProtocolError")
+        super().__init__(message)
+
+
+class LocalProtocolError(ProtocolError):
+    """We were about to send something illegal; nothing was sent."""
+
+
+class RemoteProtocolError(ProtocolError):
+    """The peer sent something malformed.
+
+    Parameters
+    ----------
+    reason : str
+        What was expected.
+    data : bytes
+        The whole message.
+    position : int
+        Index of the first byte that does not fit.
+
+    Attributes
+    ----------
+    reason, data, position
+        As given.
+    """
+
+    def __init__(self, reason: str, data: bytes, position: int) -> None:
+        self.reason = reason
+        self.data = data
+        self.position = position
+        super().__init__(f"{reason} at byte {position} of {len(data)}: {excerpt(data, position)}")
+
+    def __reduce__(self) -> tuple[type, tuple[str, bytes, int]]:
+        """Copy and pickle by the three arguments (worker processes report errors this way)."""
+        return type(self), (self.reason, self.data, self.position)
+
+
+def excerpt(data: bytes, position: int) -> str:
+    """Quote the bytes around a position, printable, with ``>>>`` in front of the position."""
+    start, end = max(0, position - EXCERPT), position + EXCERPT
+    before = repr(bytes(data[start:position]))[2:-1]
+    after = repr(bytes(data[position:end]))[2:-1]
+    return f"{'...' if start else ''}{before}>>>{after}{'...' if end < len(data) else ''}"

@@ -1,0 +1,166 @@
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rcss_hat.protocol import records
+from rcss_hat.protocol.errors import RemoteProtocolError
+from rcss_hat.protocol.sense_body import parse_sense_body
+
+from .recorded import received
+
+SHORT = "(sense_body 7 (view_mode high normal) (stamina 8000 1) (speed 0 0)"
+NUMBER = r"(-?[\d.]+(?:e-?\d+)?)"
+
+
+def parse(text: str | bytes) -> np.ndarray:
+    sense = records.empty(records.SENSE_BODY)
+    parse_sense_body(text if isinstance(text, bytes) else text.encode(), sense)
+    return sense
+
+
+def values(sense: np.ndarray) -> dict[str, Any]:
+    return {name: sense[name][0].tolist() for name in records.SENSE_BODY.names or ()}
+
+
+def by_regular_expressions(text: str) -> dict[str, Any]:
+    """Read a sense_body message of version 11 or 12 in an independent, slow way."""
+    pattern = (
+        r"\(sense_body (\d+) \(view_mode (high|low) (narrow|normal|wide)\)"
+        r" \(stamina N N\) \(speed N N\) \(head_angle N\)"
+        + "".join(rf" \({name} (\d+)\)" for name in _PRINTED)
+        + r" \(arm \(movable (\d+)\) \(expires (\d+)\) \(target N N\) \(count (\d+)\)\)"
+        r" \(focus \(target (none|[lr] \d+)\) \(count (\d+)\)\) \(tackle \(expires (\d+)\) \(count (\d+)\)\)"
+        r"(?: \(collision(| none)((?: \(\w+\))*)\))?\)"
+    ).replace("N", NUMBER)
+    match = re.fullmatch(pattern, text)
+    assert match, text
+    g = match.groups()
+    counts = dict(zip(_PRINTED, map(int, g[8:16]), strict=True))
+    collided = {"(ball)": 1, "(player)": 2, "(post)": 4}
+    return {
+        "time": int(g[0]),
+        "quality": int(g[1] == "high"),
+        "width": ("narrow", "normal", "wide").index(g[2]),
+        "stamina": float(g[3]),
+        "effort": float(g[4]),
+        "capacity": -1.0,
+        "speed": float(g[5]),
+        "speed_direction": float(g[6]),
+        "head_angle": float(g[7]),
+        "counts": [counts[name] for name in records.COUNT_NAMES],
+        "arm_movable": int(g[16]),
+        "arm_expires": int(g[17]),
+        "arm_distance": float(g[18]),
+        "arm_direction": float(g[19]),
+        "arm_count": int(g[20]),
+        "focus_side": 0 if g[21] == "none" else " lr".index(g[21][0]),
+        "focus_unum": 0 if g[21] == "none" else int(g[21][2:]),
+        "focus_count": int(g[22]),
+        "tackle_expires": int(g[23]),
+        "tackle_count": int(g[24]),
+        "has_collision": int(g[25] is not None),
+        "collision": sum(collided[word] for word in (g[26] or "").split()),
+    }
+
+
+_PRINTED = ("kick", "dash", "turn", "say", "turn_neck", "catch", "move", "change_view")
+
+
+def test_recorded_messages_are_read_exactly() -> None:
+    messages = received("(sense_body ")
+    assert len(messages) > 300
+    for datagram in messages:
+        assert repr(values(parse(datagram.text))) == repr(by_regular_expressions(datagram.text))
+
+
+def test_what_is_missing_has_a_default() -> None:
+    sense = parse(received("(sense_body ")[-1].text)
+    parse_sense_body(SHORT.encode() + b")\0", sense)
+    expected = dict.fromkeys(records.SENSE_BODY.names or (), 0)
+    expected |= {"time": 7, "quality": 1, "width": 1, "stamina": 8000, "effort": 1, "capacity": -1, "counts": [0] * 8}
+    assert values(sense) == expected
+
+
+@pytest.mark.parametrize(
+    ("part", "expected"),
+    [
+        ("(collision none)", {"has_collision": 1, "collision": 0}),
+        ("(collision (ball) (post))", {"has_collision": 1, "collision": 5}),
+        ("(collision (player))", {"has_collision": 1, "collision": 2}),
+        ("(stamina 7000 0.9 130600)", {"stamina": 7000.0, "capacity": 130600.0}),
+        ("(focus (target r 11) (count 3))", {"focus_side": 2, "focus_unum": 11, "focus_count": 3}),
+        ("(focus (target none) (count 3))", {"focus_side": 0, "focus_unum": 0, "focus_count": 3}),
+        ("(foul (charged 0) (card none)) (tackle (expires 4) (count 5))", {"tackle_expires": 4, "tackle_count": 5}),
+        ("(focus_point 0 0) (change_focus 3) (head_angle -12)", {"head_angle": -12.0}),
+        ("(arm (movable 1) (expires 2) (target 3.5 -4) (count 5))", {"arm_expires": 2, "arm_distance": 3.5}),
+        ("(arm (new (thing)) (count 5))", {"arm_count": 5}),
+        ("(speed 0.5)", {"speed": 0.5, "speed_direction": 0.0}),
+    ],
+)
+def test_parts_of_all_versions(part: str, expected: dict[str, Any]) -> None:
+    found = values(parse(f"{SHORT} {part})"))
+    assert {name: found[name] for name in expected} == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "position"),
+    [
+        ("", 0),
+        ("(sense_bod 1)", 1),
+        ("(sense_body)", 11),
+        ("(sense_body x)", 12),
+        ("(sense_body 7)", 14),
+        (SHORT, 66),
+        (SHORT + ") x", 68),
+        (SHORT + "()", 67),
+        (SHORT + "(kick x))", 72),
+        (SHORT + "(kick 1 2))", 74),
+        (SHORT + "(stamina 1))", 77),
+        (SHORT + "(stamina 1 2 3 4))", 81),
+        (SHORT + "(view_mode high odd))", 82),
+        (SHORT + "(view_mode odd wide))", 77),
+        (SHORT + "(focus (target l 12)))", 86),
+        (SHORT + "(focus (target x 1)))", 81),
+        (SHORT + "(collision (wall)))", 78),
+        (SHORT + "(unknown (a) (b)", 74),
+        (SHORT + "(head_angle nan))", 78),
+    ],
+)
+def test_malformed_messages_name_the_place(text: str, position: int) -> None:
+    with pytest.raises(RemoteProtocolError, match="bad sense_body message") as error:
+        parse(text)
+    assert error.value.position == position
+
+
+def try_to_parse(text: bytes) -> None:
+    try:
+        sense = parse(text)
+    except RemoteProtocolError as error:
+        assert 0 <= error.position <= len(text)
+    else:
+        assert np.isfinite(sense["stamina"][0])
+        assert sense["focus_unum"][0] <= records.MAX_PLAYERS
+
+
+@given(st.binary(max_size=200))
+def test_random_bytes_do_no_harm(data: bytes) -> None:
+    try_to_parse(data)
+    try_to_parse(SHORT.encode() + data)
+    try_to_parse(SHORT.encode() + b"(arm (" + data)
+    try_to_parse(SHORT.encode() + b"(collision " + data)
+
+
+@given(st.data())
+def test_mutated_messages_do_no_harm(data: st.DataObject) -> None:
+    text = bytearray(data.draw(st.sampled_from(received("(sense_body "))).text.encode())
+    for _ in range(data.draw(st.integers(1, 3))):
+        place = data.draw(st.integers(0, len(text) - 1))
+        text[place] = data.draw(st.sampled_from(b"() \0abc-.e0915\xff"))
+    try_to_parse(bytes(text))
+    try_to_parse(bytes(text[: data.draw(st.integers(0, len(text)))]))
