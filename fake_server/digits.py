@@ -19,7 +19,7 @@ Buffer = NDArray[np.uint8]
 _POWERS = np.array([float(f"1e{k}") for k in range(23)])
 """The powers of ten that are exact in binary."""
 _SPLIT = 134217729.0  # 2**27 + 1 halves a double (Veltkamp 1968)
-_ZERO, _MINUS, _PLUS, _POINT, _E = 48, 45, 43, 46, 101
+_SPACE, _ZERO, _MINUS, _PLUS, _POINT, _E = 32, 48, 45, 43, 46, 101
 
 
 @njit
@@ -204,6 +204,26 @@ def put_bytes(buffer: Buffer, at: int, text: Buffer, size: int) -> int:
     for k in range(size):
         buffer[at + k] = text[k]
     return at + size
+
+
+@njit
+def put_text(buffer: Buffer, at: int, text: Buffer) -> int:
+    """Write a whole text."""
+    return put_bytes(buffer, at, text, text.size)
+
+
+@njit
+def put_spaced(buffer: Buffer, at: int, value: float) -> int:
+    """Write a space and a number (``%g``)."""
+    buffer[at] = _SPACE
+    return put_number(buffer, at + 1, value)
+
+
+@njit
+def put_spaced_int(buffer: Buffer, at: int, number: int) -> int:
+    """Write a space and an integer."""
+    buffer[at] = _SPACE
+    return put_int(buffer, at + 1, number)
 
 
 def ascii_bytes(text: str) -> Buffer:

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.digits import Buffer, ascii_bytes, put_bytes, put_int, put_number
+from fake_server.digits import Buffer, ascii_bytes, put_bytes, put_int, put_number, put_spaced, put_spaced_int, put_text
 from fake_server.simulation.state import (
     C_CATCH,
     C_CHANGE_FOCUS,
@@ -103,18 +103,6 @@ def team_names(own: str, other: str) -> tuple[Buffer, NDArray[np.int64]]:
 
 # --- see --------------------------------------------------------------------------------------------------------------
 @njit
-def _put_spaced(buffer: Buffer, at: int, value: float) -> int:
-    buffer[at] = _SPACE
-    return put_number(buffer, at + 1, value)
-
-
-@njit
-def _put_spaced_int(buffer: Buffer, at: int, value: int) -> int:
-    buffer[at] = _SPACE
-    return put_int(buffer, at + 1, value)
-
-
-@njit
 def _put_name(
     see: NDArray[np.void], k: int, teams: Buffer, team_sizes: NDArray[np.int64], buffer: Buffer, at: int
 ) -> int:
@@ -125,9 +113,9 @@ def _put_name(
         team = see["team"][0, k]
         at = put_bytes(buffer, at, teams[team], team_sizes[team])
         if see["unum"][0, k] > 0:
-            at = _put_spaced_int(buffer, at, see["unum"][0, k])
+            at = put_spaced_int(buffer, at, see["unum"][0, k])
             if see["goalie"][0, k]:
-                at = put_bytes(buffer, at, _GOALIE, _GOALIE.size)
+                at = put_text(buffer, at, _GOALIE)
     else:
         at = put_bytes(buffer, at, _NAMES[code], _NAME_SIZES[code])
     buffer[at] = _CLOSE
@@ -138,16 +126,16 @@ def _put_name(
 def _put_fields(see: NDArray[np.void], k: int, buffer: Buffer, at: int) -> int:
     bits = see["fields"][0, k]
     if bits & HAS_DISTANCE:
-        at = _put_spaced(buffer, at, see["distance"][0, k])
-    at = _put_spaced_int(buffer, at, int(see["direction"][0, k]))
+        at = put_spaced(buffer, at, see["distance"][0, k])
+    at = put_spaced_int(buffer, at, int(see["direction"][0, k]))
     if bits & HAS_CHANGE:
-        at = _put_spaced(buffer, at, see["distance_change"][0, k])
-        at = _put_spaced(buffer, at, see["direction_change"][0, k])
+        at = put_spaced(buffer, at, see["distance_change"][0, k])
+        at = put_spaced(buffer, at, see["direction_change"][0, k])
     if bits & HAS_FACING:
-        at = _put_spaced_int(buffer, at, int(see["body"][0, k]))
-        at = _put_spaced_int(buffer, at, int(see["head"][0, k]))
+        at = put_spaced_int(buffer, at, int(see["body"][0, k]))
+        at = put_spaced_int(buffer, at, int(see["head"][0, k]))
     if bits & HAS_POINTING:
-        at = _put_spaced_int(buffer, at, int(see["pointing"][0, k]))
+        at = put_spaced_int(buffer, at, int(see["pointing"][0, k]))
     if bits & (IS_TACKLING | IS_KICKING):
         buffer[at] = _SPACE
         buffer[at + 1] = _T if bits & IS_TACKLING else _K
@@ -171,7 +159,7 @@ def write_see(see: NDArray[np.void], teams: Buffer, team_sizes: NDArray[np.int64
     int
         Length of the message.
     """
-    at = put_bytes(buffer, 0, _SEE, _SEE.size)
+    at = put_text(buffer, 0, _SEE)
     at = put_int(buffer, at, see["time"][0])
     for k in range(see["n"][0]):
         buffer[at] = _SPACE
@@ -205,58 +193,63 @@ _COLLISION = ascii_bytes(" (collision")
 _NO_COLLISION = ascii_bytes(" none)")
 _WITH_BALL, _WITH_PLAYER, _WITH_POST = ascii_bytes(" (ball)"), ascii_bytes(" (player)"), ascii_bytes(" (post)")
 _FOUL = ascii_bytes(" (foul (charged 0) (card none))")
-_FOCUS_POINT = ascii_bytes(" (focus_point 0 0)")
-
-
-@njit
-def _put(buffer: Buffer, at: int, text: Buffer) -> int:
-    return put_bytes(buffer, at, text, text.size)
+_FOCUS_POINT = ascii_bytes(" (focus_point ")
 
 
 @njit
 def _put_view_mode(buffer: Buffer, at: int, quality: int, width: int) -> int:
-    at = _put(buffer, at, _HIGH) if quality == HIGH else _put(buffer, at, _LOW)
+    at = put_text(buffer, at, _HIGH) if quality == HIGH else put_text(buffer, at, _LOW)
     if width == NARROW:
-        return _put(buffer, at, _NARROW)
-    return _put(buffer, at, _WIDE) if width == WIDE else _put(buffer, at, _NORMAL)
+        return put_text(buffer, at, _NARROW)
+    return put_text(buffer, at, _WIDE) if width == WIDE else put_text(buffer, at, _NORMAL)
 
 
 @njit
 def _put_arm(buffer: Buffer, at: int, movable: int, expires: int, distance: float, direction: int, count: int) -> int:
     """Write the own arm from ``) (arm`` on, its last number last."""
-    at = put_int(buffer, _put(buffer, at, _ARM), movable)
-    at = put_int(buffer, _put(buffer, at, _EXPIRES), expires)
-    at = put_number(buffer, _put(buffer, at, _TARGET), distance)
-    at = _put_spaced_int(buffer, at, direction)
-    return put_int(buffer, _put(buffer, at, _COUNT), count)
+    at = put_int(buffer, put_text(buffer, at, _ARM), movable)
+    at = put_int(buffer, put_text(buffer, at, _EXPIRES), expires)
+    at = put_number(buffer, put_text(buffer, at, _TARGET), distance)
+    at = put_spaced_int(buffer, at, direction)
+    return put_int(buffer, put_text(buffer, at, _COUNT), count)
 
 
 @njit
 def _put_collision(buffer: Buffer, at: int, collision: int) -> int:
-    at = _put(buffer, at, _COLLISION)
+    at = put_text(buffer, at, _COLLISION)
     if collision == 0:
-        return _put(buffer, at, _NO_COLLISION)
+        return put_text(buffer, at, _NO_COLLISION)
     if collision & COLLIDED_BALL:
-        at = _put(buffer, at, _WITH_BALL)
+        at = put_text(buffer, at, _WITH_BALL)
     if collision & COLLIDED_PLAYER:
-        at = _put(buffer, at, _WITH_PLAYER)
+        at = put_text(buffer, at, _WITH_PLAYER)
     if collision & COLLIDED_POST:
-        at = _put(buffer, at, _WITH_POST)
+        at = put_text(buffer, at, _WITH_POST)
     buffer[at] = _CLOSE
     return at + 1
 
 
 @njit
-def write_sense_body(sense: NDArray[np.void], version: int, change_focus: int, buffer: Buffer) -> int:
-    """Write a sense_body message.
+def _put_focus_point(match: NDArray[np.void], i: int, buffer: Buffer, at: int) -> int:
+    at = put_number(buffer, put_text(buffer, at, _FOCUS_POINT), match["focus_dist"][0, i])
+    at = put_spaced(buffer, at, match["focus_dir"][0, i] * RAD)
+    buffer[at] = _CLOSE
+    return at + 1
+
+
+@njit
+def write_sense_body(sense: NDArray[np.void], match: NDArray[np.void], i: int, buffer: Buffer) -> int:
+    """Write the sense_body message of player ``i`` for the version of the protocol that its client speaks.
+
+    Collisions are told from version 12 on, stamina capacity from 13, foul from 14, focus point from 18.
 
     Parameters
     ----------
     sense : ndarray of records.SENSE_BODY, shape (1,)
-    version : int
-        Of the client's protocol: collisions from 12 on, capacity from 13, foul from 14, focus point from 18.
-    change_focus : int
-        Number of change_focus commands; only versions from 18 on are told.
+    match : ndarray of MATCH, shape (1,)
+        For the version, and for the focus point, which the record does not hold.
+    i : int
+        Index of the player.
     buffer : ndarray of uint8, shape (MAX_MESSAGE,)
 
     Returns
@@ -264,41 +257,42 @@ def write_sense_body(sense: NDArray[np.void], version: int, change_focus: int, b
     int
         Length of the message.
     """
-    at = put_int(buffer, _put(buffer, 0, _SENSE_BODY), sense["time"][0])
-    at = _put_view_mode(buffer, _put(buffer, at, _VIEW_MODE), sense["quality"][0], sense["width"][0])
-    at = put_number(buffer, _put(buffer, at, _STAMINA), sense["stamina"][0])
-    at = _put_spaced(buffer, at, sense["effort"][0])
+    version = match["version"][0, i]
+    at = put_int(buffer, put_text(buffer, 0, _SENSE_BODY), sense["time"][0])
+    at = _put_view_mode(buffer, put_text(buffer, at, _VIEW_MODE), sense["quality"][0], sense["width"][0])
+    at = put_number(buffer, put_text(buffer, at, _STAMINA), sense["stamina"][0])
+    at = put_spaced(buffer, at, sense["effort"][0])
     if version >= 13:
-        at = _put_spaced(buffer, at, sense["capacity"][0])
-    at = put_number(buffer, _put(buffer, at, _SPEED), sense["speed"][0])
-    at = _put_spaced_int(buffer, at, int(sense["speed_direction"][0]))
-    at = put_int(buffer, _put(buffer, at, _HEAD_ANGLE), int(sense["head_angle"][0]))
+        at = put_spaced(buffer, at, sense["capacity"][0])
+    at = put_number(buffer, put_text(buffer, at, _SPEED), sense["speed"][0])
+    at = put_spaced_int(buffer, at, int(sense["speed_direction"][0]))
+    at = put_int(buffer, put_text(buffer, at, _HEAD_ANGLE), int(sense["head_angle"][0]))
     counts = sense["counts"][0]
     for k in range(N_COUNTS):
         at = put_int(buffer, put_bytes(buffer, at, _COUNTS[k], _COUNT_SIZES[k]), counts[k])
     if version >= 18:
-        at = put_int(buffer, _put(buffer, at, _CHANGE_FOCUS), change_focus)
+        at = put_int(buffer, put_text(buffer, at, _CHANGE_FOCUS), match["counts"][0, i, C_CHANGE_FOCUS])
     arm_direction = int(sense["arm_direction"][0])
     at = _put_arm(
         buffer, at, sense["arm_movable"][0], sense["arm_expires"][0], sense["arm_distance"][0], arm_direction,
         sense["arm_count"][0],
     )  # fmt: skip
-    at = _put(buffer, at, _FOCUS)
+    at = put_text(buffer, at, _FOCUS)
     if sense["focus_side"][0] == NO_SIDE:
-        at = _put(buffer, at, _NONE)
+        at = put_text(buffer, at, _NONE)
     else:
         buffer[at] = _L if sense["focus_side"][0] == LEFT else _R
-        at = _put_spaced_int(buffer, at + 1, sense["focus_unum"][0])
-    at = put_int(buffer, _put(buffer, at, _COUNT), sense["focus_count"][0])
-    at = put_int(buffer, _put(buffer, at, _TACKLE), sense["tackle_expires"][0])
-    at = put_int(buffer, _put(buffer, at, _COUNT), sense["tackle_count"][0])
-    at = _put(buffer, at, _END)
+        at = put_spaced_int(buffer, at + 1, sense["focus_unum"][0])
+    at = put_int(buffer, put_text(buffer, at, _COUNT), sense["focus_count"][0])
+    at = put_int(buffer, put_text(buffer, at, _TACKLE), sense["tackle_expires"][0])
+    at = put_int(buffer, put_text(buffer, at, _COUNT), sense["tackle_count"][0])
+    at = put_text(buffer, at, _END)
     if version >= 12:
         at = _put_collision(buffer, at, sense["collision"][0])
     if version >= 14:
-        at = _put(buffer, at, _FOUL)
+        at = put_text(buffer, at, _FOUL)
     if version >= 18:
-        at = _put(buffer, at, _FOCUS_POINT)
+        at = _put_focus_point(match, i, buffer, at)
     buffer[at] = _CLOSE
     return at + 1
 
@@ -333,34 +327,34 @@ def arm_target(match: NDArray[np.void], i: int) -> tuple[float, float]:
 
 @njit
 def _put_full_player(match: NDArray[np.void], i: int, version: int, buffer: Buffer, at: int) -> int:
-    at = _put(buffer, at, _PLAYER)
+    at = put_text(buffer, at, _PLAYER)
     buffer[at] = _L if i < MAX_PLAYERS else _R
-    at = _put_spaced_int(buffer, at + 1, i % MAX_PLAYERS + 1)
+    at = put_spaced_int(buffer, at + 1, i % MAX_PLAYERS + 1)
     if match["goalie"][0, i]:
         buffer[at] = _SPACE
         buffer[at + 1] = 103  # g
         at += 2
     if version >= 14 or not match["goalie"][0, i]:
-        at = _put_spaced_int(buffer, at, match["type"][0, i])
+        at = put_spaced_int(buffer, at, match["type"][0, i])
     buffer[at] = _CLOSE
     at += 1
-    at = _put_spaced(buffer, at, match["pos"][0, i, 0])
-    at = _put_spaced(buffer, at, match["pos"][0, i, 1])
-    at = _put_spaced(buffer, at, match["vel"][0, i, 0])
-    at = _put_spaced(buffer, at, match["vel"][0, i, 1])
-    at = _put_spaced(buffer, at, match["body"][0, i] * RAD)
-    at = _put_spaced(buffer, at, match["neck"][0, i] * RAD)
+    at = put_spaced(buffer, at, match["pos"][0, i, 0])
+    at = put_spaced(buffer, at, match["pos"][0, i, 1])
+    at = put_spaced(buffer, at, match["vel"][0, i, 0])
+    at = put_spaced(buffer, at, match["vel"][0, i, 1])
+    at = put_spaced(buffer, at, match["body"][0, i] * RAD)
+    at = put_spaced(buffer, at, match["neck"][0, i] * RAD)
     if match["arm_expires"][0, i] > 0:
         distance, direction = arm_target(match, i)
-        at = _put_spaced(buffer, at, distance)
-        at = _put_spaced(buffer, at, direction)
+        at = put_spaced(buffer, at, distance)
+        at = put_spaced(buffer, at, direction)
     if version >= 18:
-        at = _put(buffer, at, _FOCUS_POINT)
-    at = put_number(buffer, _put(buffer, at, _STAMINA), match["stamina"][0, i])
-    at = _put_spaced(buffer, at, match["effort"][0, i])
-    at = _put_spaced(buffer, at, match["recovery"][0, i])
+        at = _put_focus_point(match, i, buffer, at)
+    at = put_number(buffer, put_text(buffer, at, _STAMINA), match["stamina"][0, i])
+    at = put_spaced(buffer, at, match["effort"][0, i])
+    at = put_spaced(buffer, at, match["recovery"][0, i])
     if version >= 13:
-        at = _put_spaced(buffer, at, match["capacity"][0, i])
+        at = put_spaced(buffer, at, match["capacity"][0, i])
     buffer[at] = _CLOSE
     at += 1
     if version >= 13 and (match["tackle_cycles"][0, i] > 0 or match["kick_cycles"][0, i] > 0):
@@ -390,10 +384,10 @@ def write_fullstate(match: NDArray[np.void], i: int, mode: Buffer, buffer: Buffe
         Length of the message.
     """
     version = match["version"][0, i]
-    at = put_int(buffer, _put(buffer, 0, _FULLSTATE), match["time"][0])
-    at = _put(buffer, _put(buffer, at, _PMODE), mode)
-    at = _put_view_mode(buffer, _put(buffer, at, _VMODE), match["quality"][0, i], match["width"][0, i])
-    at = _put(buffer, at, _FULL_COUNT)
+    at = put_int(buffer, put_text(buffer, 0, _FULLSTATE), match["time"][0])
+    at = put_text(buffer, put_text(buffer, at, _PMODE), mode)
+    at = _put_view_mode(buffer, put_text(buffer, at, _VMODE), match["quality"][0, i], match["width"][0, i])
+    at = put_text(buffer, at, _FULL_COUNT)
     for k in range(9 if version >= 18 else 8):
         if k > 0:
             buffer[at] = _SPACE
@@ -405,13 +399,13 @@ def write_fullstate(match: NDArray[np.void], i: int, mode: Buffer, buffer: Buffe
         match["counts"][0, i, C_POINTTO],
     )  # fmt: skip
     own = 0 if i < MAX_PLAYERS else 1
-    at = put_int(buffer, _put(buffer, at, _SCORE), match["score"][0, own])
-    at = _put_spaced_int(buffer, at, match["score"][0, 1 - own])
-    at = _put(buffer, at, _BALL)
-    at = _put_spaced(buffer, at, match["ball_pos"][0, 0])
-    at = _put_spaced(buffer, at, match["ball_pos"][0, 1])
-    at = _put_spaced(buffer, at, match["ball_vel"][0, 0])
-    at = _put_spaced(buffer, at, match["ball_vel"][0, 1])
+    at = put_int(buffer, put_text(buffer, at, _SCORE), match["score"][0, own])
+    at = put_spaced_int(buffer, at, match["score"][0, 1 - own])
+    at = put_text(buffer, at, _BALL)
+    at = put_spaced(buffer, at, match["ball_pos"][0, 0])
+    at = put_spaced(buffer, at, match["ball_pos"][0, 1])
+    at = put_spaced(buffer, at, match["ball_vel"][0, 0])
+    at = put_spaced(buffer, at, match["ball_vel"][0, 1])
     buffer[at] = _CLOSE
     at += 1
     for j in range(N_PLAYERS):
