@@ -1,4 +1,4 @@
-"""The parameter messages: server_param, player_param and player_type (19.0.0, src/initsender.cpp, src/heteroplayer.cpp)."""
+"""The parameter messages: server_param, player_param, player_type (19.0.0, src/initsender.cpp, src/heteroplayer.cpp)."""
 
 from __future__ import annotations
 
