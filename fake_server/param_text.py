@@ -1,4 +1,4 @@
-"""The parameter messages: server_param, player_param, player_type (19.0.0, src/initsender.cpp, src/heteroplayer.cpp)."""
+"""Parameter messages: server_param, player_param, player_type (19.0.0, src/initsender.cpp and src/heteroplayer.cpp)."""
 
 from __future__ import annotations
 
