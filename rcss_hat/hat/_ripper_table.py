@@ -7,13 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from rcss_hat.hat._ripper_length import TOLERANCE
+
 Mask = NDArray[np.bool_]
 """Which rows of the table; shape (n_rows,)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Distinct training rows with their weights, and each variable's order.
+    """Training rows with their weights, and each variable's order.
 
     Attributes
     ----------
@@ -51,26 +53,49 @@ def keep_rows(order: NDArray[np.intp], rows: Mask) -> NDArray[np.intp]:
     return order[rows[order]].reshape(len(order), -1)
 
 
-def make_table(values: NDArray[np.float64], labels: NDArray[np.intp], weights: NDArray[np.float64]) -> Table:
-    """Merge equal rows, add up their weights, and sort each variable.
+def make_table(
+    values: NDArray[np.float64], labels: NDArray[np.intp], weights: NDArray[np.float64], folds: int = 3
+) -> Table:
+    """Put the rows into one order, deal out the weight of equal ones, and sort each variable.
 
-    Merging puts the rows into one order, so that neither their order in the data nor the choice between repeating a
-    row and giving it more weight has any influence on what is learned. Rows of weight 0 are left out.
+    The weights of equal rows are added up and dealt out again over copies of the row: as many as the weight has units,
+    but no more than there are folds. So neither the order of the rows in the data nor the choice between repeating a
+    row and giving it more weight has any influence on what is learned, and heavy rows can be in the grow rows and in
+    the prune rows. Rows of weight 0 are left out.
     """
-    present = weights > 0.0
-    values, labels, weights = values[present], labels[present], weights[present]
-    order = np.lexsort((labels, *values.T[::-1]))
-    values, labels, weights = values[order], labels[order], weights[order]
-    first = np.ones(len(labels), dtype=np.bool_)
-    same = (values[1:] == values[:-1]) | (np.isnan(values[1:]) & np.isnan(values[:-1]))
-    first[1:] = ~same.all(axis=1) | (labels[1:] != labels[:-1])
-    weights = np.add.reduceat(weights, np.flatnonzero(first))
-    values, labels = np.ascontiguousarray(values[first]), labels[first]
+    values, labels, weights = _merge(values, labels, weights)
+    copies = np.clip(np.ceil(weights - TOLERANCE), 1, folds).astype(np.intp)
+    values, labels, weights = np.repeat(values, copies, axis=0), np.repeat(labels, copies), _deal(weights, copies)
     by_value = np.argsort(values.T, axis=1, kind="stable")
     ascending = np.take_along_axis(values.T, by_value, axis=1)
     missing = np.isnan(ascending)
     distinct = (~missing[:, 0]).sum() + ((ascending[:, 1:] != ascending[:, :-1]) & ~missing[:, 1:]).sum()
     return Table(values, labels, weights, by_value, bool(missing.any()), 2 * int(distinct))
+
+
+def _merge(
+    values: NDArray[np.float64], labels: NDArray[np.intp], weights: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.float64]]:
+    """Sort the rows and add up the weights of equal ones."""
+    present = weights > 0.0
+    values, labels, weights = values[present], labels[present], weights[present]
+    order = np.lexsort((labels, *values.T[::-1]))
+    values, labels, weights = values[order], labels[order], weights[order]
+    same = (values[1:] == values[:-1]) | (np.isnan(values[1:]) & np.isnan(values[:-1]))
+    first = np.ones(len(labels), dtype=np.bool_)
+    first[1:] = ~same.all(axis=1) | (labels[1:] != labels[:-1])
+    return values[first], labels[first], np.add.reduceat(weights, np.flatnonzero(first))
+
+
+def _deal(weights: NDArray[np.float64], copies: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Deal each weight out over copies, in whole units so that sums stay exact; the last one gets the fraction."""
+    whole = np.floor(weights)
+    last = np.cumsum(copies) - 1
+    number = np.arange(last[-1] + 1) - np.repeat(last + 1 - copies, copies)
+    total, pieces = np.repeat(whole, copies), np.repeat(copies, copies)
+    dealt = np.floor((total + pieces - 1 - number) / pieces)
+    dealt[last] += weights - whole
+    return dealt
 
 
 def split_rows(labels: NDArray[np.intp], rows: Mask, folds: int, rng: np.random.RandomState) -> tuple[Mask, Mask]:

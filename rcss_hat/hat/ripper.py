@@ -168,7 +168,7 @@ class RipperClassifier(ClassifierMixin, BaseEstimator):
                 f"{self.folds} of them to split them into grow and prune rows"
             )
         self.classes_, labels = np.unique(targets, return_inverse=True)
-        table = make_table(values, labels, weights)
+        table = make_table(values, labels, weights, self.folds)
         self.rules_ = self._learn(table, len(self.classes_), check_random_state(self.random_state))
         return self
 

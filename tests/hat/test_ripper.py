@@ -117,11 +117,24 @@ def test_number_of_possible_conditions() -> None:
     assert table_of([[1.0, np.nan], [1.0, 3.0], [2.0, np.nan]], [0, 1, 0]).n_possible == 2 * (2 + 1)
 
 
-def test_equal_rows_are_merged() -> None:
+def test_weight_of_equal_rows_is_dealt_out() -> None:
     nan = np.nan
-    table = table_of([[2, nan], [1, 0], [2, nan], [2, nan], [1, 0]], [0, 1, 0, 1, 1], [1, 2, 3, 4, 0])
-    assert table.labels.tolist() == [1, 0, 1]
-    assert table.weights.tolist() == [2.0, 4.0, 4.0]
+    table = table_of([[2, nan], [1, 0], [2, nan], [2, nan], [1, 0]], [0, 1, 0, 1, 1], [1, 2, 3, 1.25, 0])
+    assert table.labels.tolist() == [1, 1, 0, 0, 0, 1, 1]
+    assert table.weights.tolist() == [1.0, 1.0, 2.0, 1.0, 1.0, 1.0, 0.25]
+    assert table.values[:, 0].tolist() == [1.0, 1.0] + [2.0] * 5
+
+
+@given(st.lists(st.floats(0.01, 50.0) | st.integers(1, 9).map(float), min_size=1, max_size=20), st.integers(2, 5))
+def test_dealing_keeps_the_weight(weights: list[float], folds: int) -> None:
+    rows = np.arange(len(weights), dtype=float)[:, np.newaxis]
+    table = make_table(rows, np.zeros(len(weights), dtype=int), np.array(weights), folds)
+    assert (table.weights > 0.0).all()
+    for index, weight in enumerate(weights):
+        pieces = table.weights[table.values[:, 0] == index]
+        assert pieces.sum() == pytest.approx(weight)
+        assert len(pieces) <= folds
+        assert pieces.max() - pieces.min() <= 2.0
 
 
 @given(st.lists(st.integers(0, 3), min_size=1, max_size=60), st.integers(2, 5), st.integers(0, 5))
@@ -411,6 +424,12 @@ def test_missing_values_fulfil_no_condition() -> None:
     assert learner.score(rows, labels) > 0.99
     assert learner.predict([[np.nan, 0.9]]).tolist() == [0]
     assert learner.predict([[0.9, np.nan]]).tolist() == [1]
+
+
+def test_few_distinct_rows_are_learned() -> None:
+    rows = [[0.0, 5.0], [1.0, 5.0]] * 5
+    learner = RipperClassifier(random_state=0).fit(rows, [0, 1] * 5)
+    assert learner.predict(rows).tolist() == [0, 1] * 5
 
 
 def test_seed_decides() -> None:
