@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fake_server.player_param import PlayerParams
-from fake_server.show import state_flags, view_angle
+from fake_server.show import state_flags
+from fake_server.simulation.clock import view_angle
 from fake_server.simulation.state import (
     C_CATCH,
     C_CHANGE_VIEW,

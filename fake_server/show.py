@@ -20,6 +20,7 @@ from fake_server.digits import (
     put_spaced_int,
     put_text,
 )
+from fake_server.simulation.clock import view_angle
 from fake_server.simulation.state import (
     F_DISCARD,
     F_GOALIE,
@@ -30,7 +31,7 @@ from fake_server.simulation.state import (
 from rcss_hat.numeric.angles import RAD
 from rcss_hat.numeric.jit import njit
 from rcss_hat.numeric.wire import quantize
-from rcss_hat.protocol.records import HIGH, LEFT, MAX_PLAYERS, NARROW, NO_SIDE, NORMAL
+from rcss_hat.protocol.records import HIGH, LEFT, MAX_PLAYERS, NO_SIDE
 
 MAX_SHOW = 65536
 """Room for a frame; the longest that a match can print is far shorter."""
@@ -46,16 +47,6 @@ _FOCUS_POINT = ascii_bytes(") (fp")
 _STAMINA = ascii_bytes(") (s ")
 _FOCUS = ascii_bytes(") (f ")
 _COUNTS = ascii_bytes(") (c")
-
-
-@njit
-def view_angle(match: NDArray[np.void], params: NDArray[np.void], i: int) -> float:
-    """Return the visible angle of a player's present width, degrees."""
-    angle = params["visible_angle"][0]
-    width = match["width"][0, i]
-    if match["synch_see"][0, i]:
-        return angle * (2.0 / 3.0 if width == NARROW else 4.0 / 3.0 if width == NORMAL else 2.0)
-    return angle * (0.5 if width == NARROW else 1.0 if width == NORMAL else 2.0)
 
 
 @njit
