@@ -26,10 +26,10 @@ class RemoteProtocolError(ProtocolError):
     ----------
     reason : str
         What was expected.
-    data : bytes
+    data : bytes, optional
         The whole message.
-    position : int
-        Index of the first byte that does not fit.
+    position : int, optional
+        Index of the first byte that does not fit; needs `data`.
 
     Attributes
     ----------
@@ -37,13 +37,14 @@ class RemoteProtocolError(ProtocolError):
         As given.
     """
 
-    def __init__(self, reason: str, data: bytes, position: int) -> None:
+    def __init__(self, reason: str, data: bytes | None = None, position: int = 0) -> None:
         self.reason = reason
         self.data = data
         self.position = position
-        super().__init__(f"{reason} at byte {position} of {len(data)}: {excerpt(data, position)}")
+        where = "" if data is None else f" at byte {position} of {len(data)}: {excerpt(data, position)}"
+        super().__init__(reason + where)
 
-    def __reduce__(self) -> tuple[type, tuple[str, bytes, int]]:
+    def __reduce__(self) -> tuple[type, tuple[str, bytes | None, int]]:
         """Copy and pickle by the three arguments (worker processes report errors this way)."""
         return type(self), (self.reason, self.data, self.position)
 

@@ -28,3 +28,7 @@ def test_excerpts_are_short_and_printable() -> None:
 def test_remote_errors_survive_pickling() -> None:
     error = pickle.loads(pickle.dumps(RemoteProtocolError("bad", b"(x)", 1)))
     assert (error.reason, error.data, error.position) == ("bad", b"(x)", 1)
+
+
+def test_remote_errors_need_no_message() -> None:
+    assert str(RemoteProtocolError("the server refuses")) == "the server refuses"
