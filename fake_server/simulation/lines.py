@@ -11,12 +11,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from fake_server.simulation.observation import put_object, quantized_tenths, whole_degrees
 from fake_server.simulation.pitch import HALF_LENGTH, HALF_WIDTH
-from rcss_hat.numeric.angles import RAD, normalize_radians
+from rcss_hat.numeric.angles import normalize_radians
 from rcss_hat.numeric.jit import njit
 from rcss_hat.protocol.records import HAS_DISTANCE, LINE
 
-_EPS = 1e-10
 _RIGHT_ANGLE = 0.5 * math.pi
 _NORMALS = np.array([math.pi, 0.0, -_RIGHT_ANGLE, _RIGHT_ANGLE])
 """Outward normals (radians) of the lines l, r, t, b."""
@@ -73,15 +73,11 @@ def see_lines(
         met = along - offset if line < 2 else along + offset
         if abs(met) > (HALF_WIDTH if line < 2 else HALF_LENGTH):
             continue
-        out["code"][0, n] = LINE + line
-        out["fields"][0, n] = 0
-        direction = (angle - _RIGHT_ANGLE if angle > 0.0 else angle + _RIGHT_ANGLE) * RAD
-        out["direction"][0, n] = np.rint(direction) + 0.0
+        direction = whole_degrees(angle - _RIGHT_ANGLE if angle > 0.0 else angle + _RIGHT_ANGLE)
         if high:
-            dist = math.log(abs(away / math.cos(angle)) + _EPS)
-            if step >= _EPS:
-                dist = np.rint(dist / step) * step
-            out["fields"][0, n] = HAS_DISTANCE
-            out["distance"][0, n] = np.rint(math.exp(dist) / 0.1) / 10.0
+            tenths = quantized_tenths(abs(away / math.cos(angle)), step)
+            put_object(out, n, LINE + line, HAS_DISTANCE, tenths / 10.0, direction, 0.0, 0.0)
+        else:
+            put_object(out, n, LINE + line, 0, 0.0, direction, 0.0, 0.0)
         n += 1
     return n

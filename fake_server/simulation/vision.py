@@ -1,0 +1,388 @@
+"""What a player sees.
+
+Source: 19.0.0, src/visualsenderplayer.cpp. An object is seen when it is within the view cone, and nearer than the
+diagonal of the pitch (19); when it is outside the cone but within visible_distance, it is seen without a name. Of far
+objects velocity, number and team are lost, with a probability that grows with the distance. For clients of version 7
+and later; from version 18 on (19) the team is never lost and the focus point and Gaussian noise count.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fake_server.simulation.clock import view_angle
+from fake_server.simulation.lines import see_lines
+from fake_server.simulation.observation import (
+    FAR,
+    TEAM_FAR,
+    TEAM_TOO_FAR,
+    TOO_FAR,
+    direction_change,
+    distance_change,
+    focused_tenths,
+    gaussian_distance_change,
+    landmark_uniform,
+    lost_with,
+    put_object,
+    quantized_tenths,
+    relative_direction,
+    whole_degrees,
+)
+from fake_server.simulation.state import LANDMARKS, PERCEPTION, side_of, unum_of
+from rcss_hat.numeric.angles import DEG, normalize_radians
+from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.rng import bernoulli, next_uint64, normal
+from rcss_hat.numeric.wire import six_digits
+from rcss_hat.protocol.landmarks import LANDMARK_NAMES, LANDMARK_POSITIONS, N_LANDMARKS
+from rcss_hat.protocol.records import (
+    BALL,
+    CLOSE_BALL,
+    CLOSE_FLAG,
+    CLOSE_GOAL,
+    CLOSE_PLAYER,
+    HAS_CHANGE,
+    HAS_DISTANCE,
+    HAS_FACING,
+    HAS_POINTING,
+    HIGH,
+    IS_KICKING,
+    IS_TACKLING,
+    OTHER_TEAM,
+    OWN_TEAM,
+    PLAYER,
+)
+
+_CLOSE_CODE = np.array([CLOSE_GOAL if name in ("g l", "g r") else CLOSE_FLAG for name in LANDMARK_NAMES])
+_POINT_NOISE = 1.25 * DEG
+"""Standard deviation (radians) of a near player's pointing direction."""
+_POINT_RANGE_11 = 60.0
+_EVERYWHERE = 1e300
+
+
+class Observer(NamedTuple):
+    """The player who looks: what stays the same for all objects of a see message."""
+
+    x: float  # m
+    y: float
+    vx: float  # m/cycle
+    vy: float
+    body: float  # rad
+    neck: float
+    half: float  # half the angle of the view cone, rad
+    near: float  # visible_distance, m
+    reach: float  # farthest that is seen at all, m
+    high: bool  # quality
+    special: bool  # has a focus point or Gaussian noise
+    gaussian: bool
+    focus_x: float
+    focus_y: float
+
+
+@njit
+def _observer(match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int) -> Observer:
+    x, y = match["pos"][0, i, 0], match["pos"][0, i, 1]
+    body, neck = match["body"][0, i], match["neck"][0, i]
+    gaussian = match["gaussian_see"][0, i] != 0
+    focus = match["focus_dist"][0, i] if match["version"][0, i] >= 18 else 0.0
+    face = body + neck + match["focus_dir"][0, i]
+    old = params["version_11"][0] != 0
+    return Observer(
+        x,
+        y,
+        match["vel"][0, i, 0],
+        match["vel"][0, i, 1],
+        body,
+        neck,
+        view_angle(match, params, i) * DEG * 0.5,
+        params["visible_distance"][0],
+        _EVERYWHERE if old else types["player_max_observation_length"][match["type"][0, i]],
+        match["quality"][0, i] == HIGH,
+        gaussian or focus != 0.0,
+        gaussian,
+        x + focus * math.cos(face) if focus != 0.0 else x,
+        y + focus * math.sin(face) if focus != 0.0 else y,
+    )
+
+
+@njit
+def _special_tenths(
+    o: Observer, x: float, y: float, dist: float, step: float, rate: float, focus_rate: float, noise: float
+) -> float:
+    """Reported distance in tenths with a focus point or Gaussian noise; noise is from the normal distribution."""
+    focus_dist = math.sqrt((x - o.focus_x) ** 2 + (y - o.focus_y) ** 2)
+    if o.gaussian:
+        return 10.0 * max(0.0, dist + noise * (dist * rate + focus_dist * focus_rate))
+    return focused_tenths(dist, focus_dist, step)
+
+
+@njit
+def _put_seen(
+    o: Observer,
+    out: NDArray[np.void],
+    n: int,
+    code: int,
+    dx: float,
+    dy: float,
+    dist: float,
+    direction: float,
+    tenths: float,
+    with_change: bool,
+    vx: float,
+    vy: float,
+) -> None:
+    """Write an object seen with its distance, and with its motion (vx, vy) in the world unless that is lost."""
+    radial = tangential = 0.0
+    fields = HAS_DISTANCE
+    if with_change:
+        fields |= HAS_CHANGE
+        dvx, dvy = vx - o.vx, vy - o.vy
+        tangential = direction_change(dx, dy, dist, dvx, dvy)
+        if o.gaussian:
+            radial = gaussian_distance_change(0.1 * tenths, dx, dy, dist, dvx, dvy)
+        else:
+            radial = distance_change(tenths, dx, dy, dist, dvx, dvy)
+    seen = six_digits(0.1 * tenths) if o.gaussian else tenths / 10.0
+    put_object(out, n, code, fields, seen, whole_degrees(direction), radial, tangential)
+
+
+@njit
+def _see_landmarks(
+    o: Observer,
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    kind: int,
+    key: np.uint64,
+    wanted: NDArray[np.uint8],
+    out: NDArray[np.void],
+) -> int:
+    """Write the wanted landmarks that are seen; return their number."""
+    n = 0
+    step = params["quantize_step_l"][0]
+    for k in range(N_LANDMARKS):
+        if not wanted[k]:
+            continue
+        x, y = LANDMARK_POSITIONS[k, 0], LANDMARK_POSITIONS[k, 1]
+        dx, dy = x - o.x, y - o.y
+        dist = math.sqrt(dx * dx + dy * dy)
+        direction = relative_direction(dx, dy, o.body, o.neck)
+        in_view = abs(direction) < o.half and dist < o.reach
+        if not in_view and dist > o.near:
+            continue
+        code = k if in_view else _CLOSE_CODE[k]
+        if not o.high:
+            put_object(out, n, code, 0, 0.0, whole_degrees(direction), 0.0, 0.0)
+        else:
+            if o.special:
+                noise = _landmark_normal(key, k)
+                rate, focus_rate = types["land_dist_noise_rate"][kind], types["land_focus_dist_noise_rate"][kind]
+                tenths = _special_tenths(o, x, y, dist, step, rate, focus_rate, noise)
+            else:
+                tenths = quantized_tenths(dist, step)
+            lost = lost_with(tenths * 0.1, FAR, TOO_FAR)
+            with_change = in_view and (lost <= 0.0 or (lost < 1.0 and landmark_uniform(key, k) >= lost))
+            _put_seen(o, out, n, code, dx, dy, dist, direction, tenths, with_change, 0.0, 0.0)
+        n += 1
+    return n
+
+
+@njit
+def _landmark_normal(key: np.uint64, k: int) -> float:
+    """Number from the standard normal distribution that hangs on key and landmark alone."""
+    radius = math.sqrt(-2.0 * math.log(1.0 - landmark_uniform(key, k + N_LANDMARKS)))
+    return radius * math.cos(2.0 * math.pi * landmark_uniform(key, k + 2 * N_LANDMARKS))
+
+
+@njit
+def _moving_tenths(
+    o: Observer,
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    kind: int,
+    x: float,
+    y: float,
+    dist: float,
+    rng: NDArray[np.uint64],
+) -> float:
+    """Reported distance of ball or player in tenths."""
+    step = params["quantize_step"][0]
+    if not o.special:
+        return float(quantized_tenths(dist, step))
+    noise = normal(rng) if o.gaussian else 0.0
+    rate, focus_rate = types["dist_noise_rate"][kind], types["focus_dist_noise_rate"][kind]
+    return float(_special_tenths(o, x, y, dist, step, rate, focus_rate, noise))
+
+
+@njit
+def _see_ball(
+    o: Observer,
+    match: NDArray[np.void],
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    kind: int,
+    rng: NDArray[np.uint64],
+    n: int,
+    out: NDArray[np.void],
+) -> int:
+    """Write the ball when it is seen; return the number of objects so far."""
+    x, y = match["ball_pos"][0, 0], match["ball_pos"][0, 1]
+    dx, dy = x - o.x, y - o.y
+    dist = math.sqrt(dx * dx + dy * dy)
+    direction = relative_direction(dx, dy, o.body, o.neck)
+    in_view = abs(direction) < o.half and dist < o.reach
+    if not in_view and dist > o.near:
+        return n
+    code = BALL if in_view else CLOSE_BALL
+    if not o.high:
+        put_object(out, n, code, 0, 0.0, whole_degrees(direction), 0.0, 0.0)
+        return n + 1
+    tenths = _moving_tenths(o, params, types, kind, x, y, dist, rng)
+    with_change = in_view and not bernoulli(rng, lost_with(tenths * 0.1, FAR, TOO_FAR))
+    vx, vy = match["ball_vel"][0, 0], match["ball_vel"][0, 1]
+    _put_seen(o, out, n, code, dx, dy, dist, direction, tenths, with_change, vx, vy)
+    return n + 1
+
+
+@njit
+def _team_lost(params: NDArray[np.void], version: int, dist: float, rng: NDArray[np.uint64]) -> bool:
+    """Decide whether the team of a player at a reported distance (m) is lost."""
+    if params["version_11"][0]:
+        return dist >= TEAM_TOO_FAR
+    return version < 18 and bernoulli(rng, lost_with(dist, TEAM_FAR, TEAM_TOO_FAR))
+
+
+@njit
+def _pointing(
+    o: Observer,
+    match: NDArray[np.void],
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    kind: int,
+    j: int,
+    dist: float,
+    rng: NDArray[np.uint64],
+) -> float:
+    """Direction (whole degrees, relative to the observer's face) in which player j points, with noise.
+
+    sigma = 1.25 degrees + (d/L)^4 (180 - 1.25) degrees; L is the diagonal of the pitch, in 11.1 60 m.
+    """
+    dx = match["arm_pos"][0, j, 0] - match["pos"][0, j, 0]
+    dy = match["arm_pos"][0, j, 1] - match["pos"][0, j, 1]
+    length = _POINT_RANGE_11 if params["version_11"][0] else types["team_too_far_length"][kind]
+    sigma = (dist / length) ** 4 * (math.pi - _POINT_NOISE) + _POINT_NOISE
+    return whole_degrees(normalize_radians(math.atan2(dy, dx) - o.body - o.neck + sigma * normal(rng)))
+
+
+@njit
+def _mark_player(
+    o: Observer,
+    match: NDArray[np.void],
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    i: int,
+    j: int,
+    dist: float,
+    with_facing: bool,
+    rng: NDArray[np.uint64],
+    n: int,
+    out: NDArray[np.void],
+) -> None:
+    """Add to object n what is seen of a player's posture: arm, body and head, tackle, kick."""
+    if match["arm_expires"][0, j] > 0:
+        out["fields"][0, n] |= HAS_POINTING
+        out["pointing"][0, n] = _pointing(o, match, params, types, match["type"][0, i], j, dist, rng)
+    if with_facing:
+        out["fields"][0, n] |= HAS_FACING
+        body, neck = match["body"][0, j], match["neck"][0, j]
+        out["body"][0, n] = whole_degrees(normalize_radians(body - o.body - o.neck))
+        out["head"][0, n] = whole_degrees(normalize_radians(neck + body - o.body - o.neck))
+    if match["tackle_cycles"][0, j] > 0:
+        out["fields"][0, n] |= IS_TACKLING
+    elif match["kick_cycles"][0, j] > 0 and match["version"][0, i] >= 13:
+        out["fields"][0, n] |= IS_KICKING
+
+
+@njit
+def _see_player(
+    o: Observer,
+    match: NDArray[np.void],
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    i: int,
+    j: int,
+    rng: NDArray[np.uint64],
+    n: int,
+    out: NDArray[np.void],
+) -> int:
+    """Write player j when he is seen; return the number of objects so far."""
+    x, y = match["pos"][0, j, 0], match["pos"][0, j, 1]
+    dx, dy = x - o.x, y - o.y
+    dist = math.sqrt(dx * dx + dy * dy)
+    direction = relative_direction(dx, dy, o.body, o.neck)
+    in_view = abs(direction) < o.half and dist < o.reach
+    if not in_view and dist > o.near:
+        return n
+    if not in_view and not o.high:
+        put_object(out, n, CLOSE_PLAYER, 0, 0.0, whole_degrees(direction), 0.0, 0.0)
+        return n + 1
+    tenths = _moving_tenths(o, params, types, match["type"][0, i], x, y, dist, rng)
+    if not in_view:
+        _put_seen(o, out, n, CLOSE_PLAYER, dx, dy, dist, direction, tenths, False, 0.0, 0.0)
+        return n + 1
+    seen = tenths * 0.1
+    with_team = not _team_lost(params, match["version"][0, i], seen, rng)
+    with_unum = with_team and not bernoulli(rng, lost_with(seen, FAR, TOO_FAR))
+    if o.high:
+        vx, vy = match["vel"][0, j, 0], match["vel"][0, j, 1]
+        _put_seen(o, out, n, PLAYER, dx, dy, dist, direction, tenths, with_unum, vx, vy)
+    else:
+        put_object(out, n, PLAYER, 0, 0.0, whole_degrees(direction), 0.0, 0.0)
+    if with_team:
+        out["team"][0, n] = OWN_TEAM if side_of(i) == side_of(j) else OTHER_TEAM
+        if with_unum:
+            out["unum"][0, n] = unum_of(j)
+            out["goalie"][0, n] = match["goalie"][0, j]
+        if o.high:
+            _mark_player(o, match, params, types, i, j, dist, with_unum, rng, n, out)
+    return n + 1
+
+
+@njit
+def see(
+    match: NDArray[np.void],
+    params: NDArray[np.void],
+    types: NDArray[np.void],
+    i: int,
+    streams: NDArray[np.uint64],
+    landmarks_wanted: NDArray[np.uint8],
+    out: NDArray[np.void],
+) -> None:
+    """Write the see message of a player as a client would read it.
+
+    Parameters
+    ----------
+    match, params, types : records
+    i : int
+        Index of the player.
+    streams : ndarray of uint64, shape (3, 4)
+        PERCEPTION decides what is lost of ball and players; one draw from LANDMARKS decides what is lost of landmarks.
+    landmarks_wanted : ndarray of uint8, shape (55,)
+        Landmarks with 0 are left out; that changes nothing else in the message nor in later ones.
+    out : ndarray of SEE, shape (1,)
+        Landmarks, ball, left players, right players, lines. All fields of its first n objects are set.
+    """
+    o = _observer(match, params, types, i)
+    kind = match["type"][0, i]
+    key = next_uint64(streams[LANDMARKS])
+    rng = streams[PERCEPTION]
+    n = _see_landmarks(o, params, types, kind, key, landmarks_wanted, out)
+    n = _see_ball(o, match, params, types, kind, rng, n, out)
+    for k in range(match["n_players"][0]):
+        j = match["players"][0, k]
+        if j != i:
+            n = _see_player(o, match, params, types, i, j, rng, n, out)
+    out["time"][0] = match["time"][0]
+    out["n"][0] = see_lines(o.x, o.y, o.body, o.neck, params["quantize_step_l"][0], o.high, n, out)
