@@ -89,6 +89,10 @@ def test_a_bonus_belongs_to_the_value_of_the_action() -> None:
     keeper.advance(2.0, 1, bonus=6.0)
     assert keeper.weights[0, 0] == 0.5 * (2.0 + 6.0 - 10.0)
     assert keeper.learner["last_value"][0] == 6.0
+    keeper.observe([1.0])
+    keeper.advance(4.0, 1, bonus=6.0)
+    assert keeper.weights[1, 1] == 0.5 * (4.0 + 6.0 - 6.0)
+    assert keeper.learner["last_value"][0] == 2.0 + 6.0
 
 
 def test_discount() -> None:
