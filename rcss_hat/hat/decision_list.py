@@ -1,0 +1,444 @@
+"""Decision lists: the policy summaries that HAT hands from a demonstration to a learner.
+
+A list is immutable. It prints as in the HAT paper (section 5), is kept as JSON with thresholds to the last bit, and
+becomes one array for kernels (``to_arrays``, ``advise``).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rcss_hat.hat._rule_text import parse_rules, rule_text
+from rcss_hat.hat.conditions import AT_LEAST, Condition
+from rcss_hat.hat.files import FileFormatError, item, parse_json, read_text, write_text
+from rcss_hat.keepaway.state import n_state_variables, state_names
+from rcss_hat.numeric.jit import njit
+
+FORMAT = "rcss-hat decision list"
+VERSION = 1
+
+RULE_ROW = np.dtype(
+    [
+        ("feature", "i4"),  # variable to compare; -1: an answer
+        ("skip", "i4"),  # row to go on with when the comparison fails
+        ("action", "i4"),  # answers: the action, else -1
+        ("sign", "f8"),  # 1: at most the threshold, -1: at least
+        ("threshold", "f8"),
+        ("confidence", "f8"),  # answers: Laplace estimate of being right; 1 where there are no training counts
+    ]
+)
+"""A row of a decision list as kernels read it: a comparison, or, after the comparisons of a rule, its answer."""
+
+RuleArrays = NDArray[np.void]
+"""Rows of ``RULE_ROW``; one array whatever the length of the list, so that kernels are compiled once."""
+
+
+def action_name(action: int) -> str:
+    """Name of a macro-action: ``Hold``, ``PASS1`` (to the nearer team mate), ``PASS2`` and so on."""
+    return f"PASS{action}" if action else "Hold"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """Conditions, all of which must hold, and the action they advise.
+
+    Attributes
+    ----------
+    conditions : tuple of Condition
+        In the order they were learned; none in a default rule.
+    action : int
+    counts : tuple of float or None
+        Weight, per action, of the training rows that the rule decides.
+    """
+
+    conditions: tuple[Condition, ...]
+    action: int
+    counts: tuple[float, ...] | None = None
+
+    def covers(self, state: Sequence[float] | NDArray[np.float64]) -> bool:
+        """Whether all conditions hold in a state."""
+        return all(condition.holds(float(state[condition.feature])) for condition in self.conditions)
+
+    @property
+    def precision(self) -> float | None:
+        """Share of the training rows decided whose action is the rule's; None without any."""
+        if self.counts is None or sum(self.counts) <= 0.0:
+            return None
+        return self.counts[self.action] / sum(self.counts)
+
+    @property
+    def confidence(self) -> float:
+        """Laplace estimate of that share, (right + 1) / (all + number of actions); 1 without training counts."""
+        if self.counts is None:
+            return 1.0
+        return (self.counts[self.action] + 1.0) / (sum(self.counts) + len(self.counts))
+
+
+@dataclass(frozen=True, slots=True)
+class DecisionList:
+    """An ordered list of rules, the first one that covers a state deciding, and a default action.
+
+    Attributes
+    ----------
+    rules : tuple of Rule
+        Each with one condition or more.
+    default_action : int
+        0 = Hold, 1 = PASS1 and so on.
+    keepers, takers : int
+        The task; they decide number and meaning of the state variables.
+    default_counts : tuple of float or None
+        Weight, per action, of the training rows left to the default.
+    names : tuple of str
+        Meaning of each state variable, by default ``rcss_hat.keepaway.state.state_names``.
+    title : str
+        What the list was made from, for people.
+
+    Raises
+    ------
+    ValueError
+        When a variable, an action or the counts do not fit the task.
+    """
+
+    rules: tuple[Rule, ...]
+    default_action: int = 0
+    keepers: int = 3
+    takers: int = 2
+    default_counts: tuple[float, ...] | None = None
+    names: tuple[str, ...] = field(default=())
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        n_variables = n_state_variables(self.keepers, self.takers)
+        if not self.names:
+            object.__setattr__(self, "names", tuple(state_names(self.keepers, self.takers)))
+        if len(self.names) != n_variables:
+            raise ValueError(f"{self._task} has {n_variables} state variables, but {len(self.names)} names were given")
+        for number, rule in enumerate(self.all_rules, start=1):
+            where = f"rule {number}" if number <= len(self.rules) else "the default rule"
+            self._check_rule(rule, where, n_variables)
+            if not rule.conditions and number <= len(self.rules):
+                raise ValueError(f"{where} has no condition, so the rules after it could never decide")
+
+    def _check_rule(self, rule: Rule, where: str, n_variables: int) -> None:
+        if not 0 <= rule.action < self.keepers:
+            raise ValueError(f"{where}: {self._task} has the actions 0 to {self.keepers - 1}, not {rule.action!r}")
+        for condition in rule.conditions:
+            if condition.feature >= n_variables:
+                raise ValueError(
+                    f"{where}: {self._task} has state_0 to state_{n_variables - 1}, not state_{condition.feature}"
+                )
+        if rule.counts is not None and (len(rule.counts) != self.keepers or not all(c >= 0.0 for c in rule.counts)):
+            raise ValueError(f"{where}: counts must be {self.keepers} numbers, one per action and not negative")
+
+    @property
+    def _task(self) -> str:
+        return f"{self.keepers}v{self.takers}"
+
+    @property
+    def default(self) -> Rule:
+        """The rule without conditions that comes last."""
+        return Rule((), self.default_action, self.default_counts)
+
+    @property
+    def all_rules(self) -> tuple[Rule, ...]:
+        """The rules and the default."""
+        return (*self.rules, self.default)
+
+    def __len__(self) -> int:
+        """Number of rules, the default included (the paper's way of counting)."""
+        return len(self.rules) + 1
+
+    def __iter__(self) -> Iterator[Rule]:
+        return iter(self.all_rules)
+
+    def match(self, state: Sequence[float] | NDArray[np.float64]) -> Rule:
+        """Return the rule that decides a state."""
+        if len(state) != len(self.names):
+            raise ValueError(f"{self._task} has {len(self.names)} state variables, not {len(state)}")
+        return next(rule for rule in self.all_rules if rule.covers(state))
+
+    def __call__(self, state: Sequence[float] | NDArray[np.float64]) -> int:
+        """Return the action advised in a state of ``n_state_variables(keepers, takers)`` numbers."""
+        return self.match(state).action
+
+    def predict(self, states: ArrayLike) -> NDArray[np.int64]:
+        """Return the actions advised in many states, shape (n_rows, n_variables)."""
+        rows = np.asarray(states, dtype=np.float64)
+        if rows.ndim != 2 or rows.shape[1] != len(self.names):
+            raise ValueError(f"states must be of shape (n, {len(self.names)}) for {self._task}, not {rows.shape}")
+        actions = np.full(len(rows), self.default_action, dtype=np.int64)
+        for rule in reversed(self.rules):
+            covered = np.logical_and.reduce([condition.covers(rows) for condition in rule.conditions])
+            actions[covered] = rule.action
+        return actions
+
+    @classmethod
+    def from_classifier(cls, classifier: Any, keepers: int = 3, takers: int = 2, title: str = "") -> DecisionList:
+        """Take over the rules of a fitted ``RipperClassifier`` whose classes are actions.
+
+        Rules after one without conditions are left out: they decide nothing.
+
+        Raises
+        ------
+        ValueError
+            When the classes are not actions of the task, or the variables not its state variables.
+        """
+        actions = [_as_action(label, keepers) for label in classifier.classes_]
+        rules = []
+        for learned in classifier.rules_:
+            counts = np.zeros(keepers)
+            counts[actions] = learned.counts
+            rules.append(Rule(learned.conditions, actions[learned.prediction], tuple(map(float, counts))))
+            if not learned.conditions:
+                break
+        n_variables = n_state_variables(keepers, takers)
+        if classifier.n_features_in_ != n_variables:
+            raise ValueError(
+                f"{keepers}v{takers} has {n_variables} state variables, but the classifier was fitted to "
+                f"{classifier.n_features_in_}"
+            )
+        *conditional, default = rules
+        return cls(tuple(conditional), default.action, keepers, takers, default.counts, title=title)
+
+    # --- text ---------------------------------------------------------------------------------------------------
+
+    def format(self, comments: bool = True, digits: int | None = None) -> str:
+        """Print the rules as the HAT paper does (section 5).
+
+        Parameters
+        ----------
+        comments : bool, default=True
+            Name beside each rule its action and the variables it tests.
+        digits : int, optional
+            Decimals of the thresholds; by default as many as needed to read the same numbers again. Rounded
+            thresholds may decide states on the border differently.
+        """
+        lines = []
+        for number, rule in enumerate(self.rules):
+            word = "elseif" if number else "if"
+            lines.append((f"{word} ({rule_text(rule.conditions, digits)}) -> Action = {rule.action}", rule))
+        lines.append((f"else -> Action = {self.default_action}", self.default))
+        if not comments:
+            return "\n".join(text for text, _ in lines)
+        width = max(len(text) for text, _ in lines)
+        return "\n".join(f"{text:<{width}}  # {self._comment(rule)}" for text, rule in lines)
+
+    def _comment(self, rule: Rule) -> str:
+        tested = dict.fromkeys(condition.feature for condition in rule.conditions)
+        meanings = [f"state_{feature} = {self.names[feature]}" for feature in tested]
+        return "; ".join([action_name(rule.action), *meanings])
+
+    __str__ = format
+
+    @classmethod
+    def parse(cls, text: str, keepers: int = 3, takers: int = 2, title: str = "") -> DecisionList:
+        """Read rules printed as in the HAT paper.
+
+        Parameters
+        ----------
+        text : str
+            ``if (state_11 >= 74.84 and state_3 <= 5.99) -> Action = 1``, then ``elseif (...) -> Action = 2``, at the
+            end ``else -> Action = 0``. Comments run from ``#`` to the end of the line; line breaks do not matter; the
+            signs ≤, ≥ and → and names of actions (Hold, PASS1) are understood.
+        keepers, takers : int
+        title : str
+
+        Raises
+        ------
+        FileFormatError
+            Naming the line, what was found and what was expected.
+        """
+        rules = parse_rules(text)
+        *conditional, (_, default_action) = rules
+        try:
+            return cls(tuple(Rule(*rule) for rule in conditional), default_action, keepers, takers, title=title)
+        except ValueError as error:
+            raise FileFormatError(str(error)) from error
+
+    # --- files --------------------------------------------------------------------------------------------------
+
+    def to_json(self) -> str:
+        """Write the list as JSON, thresholds exact to the last bit."""
+        rules = [
+            {
+                "if": [
+                    {"variable": c.feature, "operator": c.operator, "threshold": c.threshold} for c in rule.conditions
+                ],
+                "action": rule.action,
+                "counts": rule.counts,
+            }
+            for rule in self.rules
+        ]
+        content = {
+            "format": FORMAT,
+            "version": VERSION,
+            "title": self.title,
+            "keepers": self.keepers,
+            "takers": self.takers,
+            "variables": self.names,
+            "actions": [action_name(action) for action in range(self.keepers)],
+            "rules": rules,
+            "default": {"action": self.default_action, "counts": self.default_counts},
+        }
+        return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> DecisionList:
+        """Read what ``to_json`` wrote.
+
+        Raises
+        ------
+        FileFormatError
+            Naming the entry and what it should be.
+        """
+        content = parse_json(text, FORMAT, VERSION)
+        rules = [_rule_from(entry, f"rule {k}") for k, entry in enumerate(item(content, "rules", list), start=1)]
+        default = item(content, "default", dict)
+        names = item(content, "variables", list) if "variables" in content else []
+        try:
+            return cls(
+                tuple(rules),
+                item(default, "action", int, "default"),
+                item(content, "keepers", int),
+                item(content, "takers", int),
+                _counts_from(default, "default"),
+                tuple(str(name) for name in names),
+                str(content.get("title", "")),
+            )
+        except FileFormatError:
+            raise
+        except ValueError as error:
+            raise FileFormatError(str(error)) from error
+
+    def save(self, path: str | Path) -> None:
+        """Write the list: as text if the name ends in ``.txt``, else as JSON."""
+        path = Path(path)
+        write_text(path, self.format() + "\n" if path.suffix == ".txt" else self.to_json())
+
+    @classmethod
+    def load(cls, path: str | Path, keepers: int = 3, takers: int = 2) -> DecisionList:
+        """Read a list, JSON or text.
+
+        Parameters
+        ----------
+        path : str or Path
+        keepers, takers : int
+            The task of a list kept as text; JSON says it itself.
+
+        Raises
+        ------
+        FileFormatError
+            Naming the file, the place and what would be right.
+        """
+        path = Path(path)
+        text = read_text(path, "decision list")
+        try:
+            if text.lstrip().startswith("{"):
+                return cls.from_json(text)
+            return cls.parse(text, keepers, takers, title=path.stem)
+        except FileFormatError as error:
+            raise FileFormatError(f"{path}: {error}") from error
+
+    # --- kernels ------------------------------------------------------------------------------------------------
+
+    def to_arrays(self) -> RuleArrays:
+        """Lay the list out for kernels.
+
+        Returns
+        -------
+        ndarray of RULE_ROW, shape (number of conditions + number of rules with the default,)
+        """
+        rows: list[tuple[int, int, int, float, float, float]] = []
+        for rule in self.all_rules:
+            answer = len(rows) + len(rule.conditions)
+            for condition in rule.conditions:
+                sign = -1.0 if condition.operator == AT_LEAST else 1.0
+                rows.append((condition.feature, answer + 1, -1, sign, condition.threshold, 0.0))
+            rows.append((-1, -1, rule.action, 0.0, 0.0, rule.confidence))
+        return np.array(rows, dtype=RULE_ROW)
+
+
+@njit
+def deciding_row(rules: RuleArrays, state: NDArray[np.float64]) -> int:
+    """Find the row of the answer for a state.
+
+    Parameters
+    ----------
+    rules : ndarray of RULE_ROW
+    state : ndarray of float64, shape (n_variables,)
+
+    Returns
+    -------
+    int
+        Index of the row whose fields ``action`` and ``confidence`` hold.
+    """
+    feature, skip, sign, threshold = rules["feature"], rules["skip"], rules["sign"], rules["threshold"]
+    row = 0
+    while feature[row] >= 0:
+        if sign[row] * state[feature[row]] <= sign[row] * threshold[row]:
+            row += 1
+        else:
+            row = skip[row]
+    return row
+
+
+@njit
+def advise(rules: RuleArrays, state: NDArray[np.float64]) -> int:
+    """Return the action that a decision list advises in a state; see ``deciding_row``."""
+    return rules["action"][deciding_row(rules, state)]
+
+
+def _as_action(label: Any, keepers: int) -> int:
+    try:
+        action = int(label)
+    except (TypeError, ValueError):
+        action = -1
+    if not 0 <= action < keepers or action != label:
+        raise ValueError(f"the classes must be actions, whole numbers 0 to {keepers - 1}, not {label!r}")
+    return action
+
+
+def _rule_from(entry: Any, where: str) -> Rule:
+    conditions = []
+    for condition in item(entry, "if", list, where):
+        try:
+            conditions.append(
+                Condition(
+                    item(condition, "variable", int, where),
+                    item(condition, "operator", str, where),
+                    float(item(condition, "threshold", (int, float), where)),
+                )
+            )
+        except FileFormatError:
+            raise
+        except (ValueError, OverflowError) as error:
+            raise FileFormatError(f"{where}: {error}") from error
+    return Rule(tuple(conditions), item(entry, "action", int, where), _counts_from(entry, where))
+
+
+def _counts_from(entry: Any, where: str) -> tuple[float, ...] | None:
+    counts = entry.get("counts")
+    if counts is None:
+        return None
+    if not isinstance(counts, list) or any(isinstance(c, bool) or not isinstance(c, int | float) for c in counts):
+        raise FileFormatError(f"{where}: 'counts' must be a list of numbers or null, not {counts!r}")
+    return tuple(float(count) for count in counts)
+
+
+PAPER_RULES = DecisionList.parse(
+    """
+    if (state_11 >= 74.84 and state_3 <= 5.99 and state_11 <= 76.26) -> Action = 1
+    elseif (state_11 >= 53.97 and state_4 <= 5.91 and state_0 >= 8.45 and state_8 <= 7.06) -> Action = 1
+    elseif (state_3 <= 4.84 and state_0 >= 7.33 and state_12 >= 43.66 and state_8 <= 5.57) -> Action = 2
+    else -> Action = 0
+    """,
+    title="Taylor, Suay and Chernova 2011, Subject A",
+)
+"""The four rules printed in the HAT paper (section 5), learned from 20 episodes of Subject A."""
