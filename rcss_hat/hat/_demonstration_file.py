@@ -1,0 +1,327 @@
+"""The file format of demonstrations: a CSV table of decisions, and a JSON header beside it with everything else.
+
+The header lists the finished episodes with their number of decisions; the table holds these decisions in the same
+order. Lines after them belong to an episode whose end was never recorded, and are not read.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rcss_hat.hat.decision_list import action_name
+from rcss_hat.hat.files import FileFormatError, item, parse_json, read_text
+from rcss_hat.keepaway.report import OUT, TAKEN, UNKNOWN, Episode
+from rcss_hat.keepaway.state import n_state_variables, state_names
+from rcss_hat.keepaway.task import Task
+from rcss_hat.protocol.params import Value
+
+FORMAT = "rcss-hat demonstration"
+VERSION = 1
+REASONS = {OUT: "out", TAKEN: "taken", UNKNOWN: "unknown"}
+"""How an episode ended: letter of the Keepaway log, and word in the header."""
+
+
+@dataclass(frozen=True, slots=True)
+class DemonstrationInfo:
+    """What was demonstrated, by whom and where.
+
+    Attributes
+    ----------
+    teacher : str
+    stage : str
+        Where it was played: ``real``, ``fake``, ``arena`` or ``HOST:PORT``.
+    task : Task
+    server : mapping
+        Server parameters in force, as far as known.
+    seed : int or None
+    date : str or None
+        ISO 8601.
+    notes : str
+    """
+
+    teacher: str
+    stage: str
+    task: Task = field(default_factory=Task)
+    server: Mapping[str, Value] = field(default_factory=dict)
+    seed: int | None = None
+    date: str | None = None
+    notes: str = ""
+
+    @property
+    def n_variables(self) -> int:
+        """Number of state variables."""
+        return n_state_variables(self.task.keepers, self.task.takers)
+
+    @property
+    def variable_names(self) -> tuple[str, ...]:
+        """Meaning of the state variables."""
+        return tuple(state_names(self.task.keepers, self.task.takers))
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A finished episode in the header: who demonstrated it, and how many decisions the table holds."""
+
+    episode: Episode
+    teacher: str
+    decisions: int
+
+
+def file_pair(path: str | Path) -> tuple[Path, Path]:
+    """Return table and header, whichever of the two was named.
+
+    Raises
+    ------
+    FileFormatError
+        When the name ends neither in ``.csv`` nor in ``.json``.
+    """
+    path = Path(path)
+    if path.suffix not in (".csv", ".json"):
+        raise FileFormatError(f"{path}: the name of a demonstration ends in .csv (its header in .json)")
+    return path.with_suffix(".csv"), path.with_suffix(".json")
+
+
+def columns(n_variables: int) -> list[str]:
+    """Columns of the table."""
+    return ["episode", "cycle", "keeper", *(f"s{k}" for k in range(n_variables)), "action"]
+
+
+def check_decision(info: DemonstrationInfo, keeper: int, state: Sequence[float], action: int) -> None:
+    """Check one decision against the task.
+
+    Raises
+    ------
+    ValueError
+        Naming what would be right.
+    """
+    task = info.task
+    if not 1 <= keeper <= task.keepers:
+        raise ValueError(f"keeper must be a uniform number 1 to {task.keepers} in {task.size}, not {keeper}")
+    if len(state) != info.n_variables:
+        raise ValueError(f"a state of {task.size} has {info.n_variables} variables, not {len(state)}")
+    for index, value in enumerate(state):
+        if not math.isfinite(value):
+            raise ValueError(
+                f"s{index} must be a finite number, not {value}; states with unknown players are no decisions"
+            )
+    if not 0 <= action < task.keepers:
+        names = ", ".join(f"{k} {action_name(k)}" for k in range(task.keepers))
+        raise ValueError(f"action must be one of {names} in {task.size}, not {action}")
+
+
+def check_episode(episode: Episode, cycles: Sequence[int] | NDArray[np.int64]) -> None:
+    """Check that an episode's times fit together.
+
+    Raises
+    ------
+    ValueError
+        Naming what would be right.
+    """
+    if episode.reason not in REASONS:
+        raise ValueError(
+            f"the end of an episode must be one of {', '.join(map(repr, REASONS))}, not {episode.reason!r}"
+        )
+    if episode.end < episode.start:
+        raise ValueError(f"episode {episode.number} must end at cycle {episode.start} or later, not at {episode.end}")
+    before = episode.start
+    for cycle in cycles:
+        if not before <= cycle <= episode.end:
+            raise ValueError(
+                f"decisions of episode {episode.number} must be in order and within its cycles {episode.start} to "
+                f"{episode.end}; found cycle {cycle} after {before}"
+            )
+        before = int(cycle)
+
+
+# --- header -----------------------------------------------------------------------------------------------------
+
+
+def header_text(info: DemonstrationInfo, entries: Iterable[Entry], table: str) -> str:
+    """Write the header; ``table`` is the name of the CSV file."""
+    task = info.task
+    meaning = {
+        "episode": "number of the episode",
+        "cycle": "server cycle of the decision (100 ms)",
+        "keeper": "uniform number of the keeper with the ball",
+        **{f"s{k}": name for k, name in enumerate(info.variable_names)},
+        "action": ", ".join(f"{k} = {action_name(k)}" for k in range(task.keepers)),
+    }
+    content = {
+        "format": FORMAT,
+        "version": VERSION,
+        "table": table,
+        "teacher": info.teacher,
+        "stage": info.stage,
+        "date": info.date,
+        "seed": info.seed,
+        "notes": info.notes,
+        "task": asdict(task),
+        "server": dict(info.server),
+        "columns": meaning,
+    }
+    lines = [json.dumps(_episode_entry(entry), ensure_ascii=False) for entry in entries]
+    head = json.dumps(content, indent=1, ensure_ascii=False).removesuffix("\n}")
+    return head + ',\n "episodes": [' + ",".join(f"\n  {line}" for line in lines) + "\n ]\n}\n"
+
+
+def _episode_entry(entry: Entry) -> dict[str, Any]:
+    episode = entry.episode
+    return {
+        "episode": episode.number,
+        "start": episode.start,
+        "end": episode.end,
+        "duration_s": episode.cycles / 10,
+        "end_reason": REASONS[episode.reason],
+        "teacher": entry.teacher,
+        "decisions": entry.decisions,
+    }
+
+
+def read_header(path: Path) -> tuple[DemonstrationInfo, list[Entry]]:
+    """Read a header file.
+
+    Raises
+    ------
+    FileFormatError
+    """
+    text = read_text(path, "header of a demonstration")
+    try:
+        content = parse_json(text, FORMAT, VERSION)
+        entries = [
+            _entry_from(entry, f"episode entry {k}") for k, entry in enumerate(item(content, "episodes", list), start=1)
+        ]
+        return _info_from(content), entries
+    except FileFormatError as error:
+        raise FileFormatError(f"{path}: {error}") from error
+
+
+def _info_from(content: dict[str, Any]) -> DemonstrationInfo:
+    said = item(content, "task", dict)
+    try:
+        task = Task(
+            item(said, "keepers", int, "task"),
+            item(said, "takers", int, "task"),
+            float(item(said, "length", (int, float), "task")),
+            float(item(said, "width", (int, float), "task")),
+            item(said, "vision", int, "task"),
+            item(said, "profile", str, "task"),
+        )
+    except FileFormatError:
+        raise
+    except ValueError as error:
+        raise FileFormatError(f"task: {error}") from error
+    return DemonstrationInfo(
+        item(content, "teacher", str),
+        item(content, "stage", str),
+        task,
+        item(content, "server", dict) if "server" in content else {},
+        item(content, "seed", (int, type(None))) if "seed" in content else None,
+        item(content, "date", (str, type(None))) if "date" in content else None,
+        item(content, "notes", str) if "notes" in content else "",
+    )
+
+
+def _entry_from(content: Any, where: str) -> Entry:
+    word = item(content, "end_reason", str, where)
+    letters = [letter for letter, name in REASONS.items() if name == word]
+    if not letters:
+        raise FileFormatError(f"{where}: 'end_reason' must be {', '.join(REASONS.values())}, not {word!r}")
+    number, start, end = (item(content, key, int, where) for key in ("episode", "start", "end"))
+    decisions = item(content, "decisions", int, where)
+    if decisions < 0:
+        raise FileFormatError(f"{where}: 'decisions' must be 0 or more, not {decisions}")
+    return Entry(Episode(number, start, end, letters[0]), item(content, "teacher", str, where), decisions)
+
+
+# --- table ------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """One row of the table without the number of its episode."""
+
+    cycle: int
+    keeper: int
+    state: tuple[float, ...]
+    action: int
+
+
+def table_head(n_variables: int) -> str:
+    """Write the first line of the table."""
+    return ",".join(columns(n_variables)) + "\n"
+
+
+def table_rows(number: int, decisions: Iterable[Decision]) -> str:
+    """Write the decisions of an episode; numbers exact to the last bit."""
+    return "".join(f"{number},{d.cycle},{d.keeper},{','.join(map(repr, d.state))},{d.action}\n" for d in decisions)
+
+
+def read_table(path: Path, info: DemonstrationInfo, entries: Sequence[Entry]) -> list[list[Decision]]:
+    """Read the decisions of the listed episodes.
+
+    Raises
+    ------
+    FileFormatError
+        Naming file, line, and what would be right.
+    """
+    text = read_text(path, "table of a demonstration")
+    reader = csv.reader(io.StringIO(text, newline=""))
+    expected = columns(info.n_variables)
+    found = next(reader, [])
+    if found != expected:
+        raise FileFormatError(
+            f"{path}, line 1: the columns of {info.task.size} are {','.join(expected)}; found {','.join(found)}"
+        )
+    episodes = []
+    for entry in entries:
+        decisions = []
+        for number in range(1, entry.decisions + 1):
+            cells = next(reader, None)
+            if cells is None:
+                raise FileFormatError(
+                    f"{path}: ends within episode {entry.episode.number}, before decision {number} of the "
+                    f"{entry.decisions} that its header lists; restore the file, or correct the header"
+                )
+            try:
+                decisions.append(_decision_from(cells, info, entry))
+            except ValueError as error:
+                raise FileFormatError(f"{path}, line {reader.line_num}: {error}") from error
+        episodes.append(decisions)
+    return episodes
+
+
+def _decision_from(cells: list[str], info: DemonstrationInfo, entry: Entry) -> Decision:
+    names = columns(info.n_variables)
+    if len(cells) != len(names):
+        raise ValueError(f"expected {len(names)} cells, found {len(cells)}")
+    numbers = dict(zip(names, cells, strict=True))
+    if _whole(numbers, "episode") != entry.episode.number:
+        raise ValueError(f"expected a decision of episode {entry.episode.number}, found episode {cells[0]}")
+    state = tuple(_real(numbers, name) for name in names[3:-1])
+    decision = Decision(_whole(numbers, "cycle"), _whole(numbers, "keeper"), state, _whole(numbers, "action"))
+    check_decision(info, decision.keeper, state, decision.action)
+    return decision
+
+
+def _whole(cells: dict[str, str], name: str) -> int:
+    try:
+        return int(cells[name])
+    except ValueError:
+        raise ValueError(f"{name} must be a whole number, not {cells[name]!r}") from None
+
+
+def _real(cells: dict[str, str], name: str) -> float:
+    try:
+        return float(cells[name])
+    except ValueError:
+        raise ValueError(f"{name} must be a number, not {cells[name]!r}") from None

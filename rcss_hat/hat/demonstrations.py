@@ -1,0 +1,427 @@
+"""Demonstrations: what a teacher decided, episode by episode."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rcss_hat.hat._demonstration_file import (
+    Decision,
+    DemonstrationInfo,
+    Entry,
+    check_decision,
+    check_episode,
+    columns,
+    file_pair,
+    header_text,
+    read_header,
+    read_table,
+    table_head,
+    table_rows,
+)
+from rcss_hat.hat.decision_list import action_name
+from rcss_hat.hat.demonstration_writer import DemonstrationWriter
+from rcss_hat.hat.files import FileFormatError, write_text
+from rcss_hat.keepaway.report import OUT, UNKNOWN, Episode
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+__all__ = [
+    "Demonstration",
+    "DemonstrationInfo",
+    "DemonstrationSet",
+    "DemonstrationWriter",
+    "Description",
+    "combine",
+]
+
+COVERAGE_BINS = 10
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Demonstration:
+    """One demonstrated episode.
+
+    Attributes
+    ----------
+    episode : Episode
+        Number, first and last cycle, how it ended.
+    teacher : str
+    cycles : ndarray of int64, shape (n,)
+        Cycle of each decision.
+    keepers : ndarray of int64, shape (n,)
+        Uniform number of the keeper with the ball.
+    states : ndarray of float64, shape (n, n_variables)
+        Metres and degrees; order of ``rcss_hat.keepaway.state``.
+    actions : ndarray of int64, shape (n,)
+        0 = Hold, 1 = PASS1 and so on.
+
+    Notes
+    -----
+    The arrays are copies that cannot be written to.
+    """
+
+    episode: Episode
+    teacher: str
+    cycles: NDArray[np.int64]
+    keepers: NDArray[np.int64]
+    states: NDArray[np.float64]
+    actions: NDArray[np.int64]
+
+    def __post_init__(self) -> None:
+        for name, kind in (("cycles", np.int64), ("keepers", np.int64), ("states", np.float64), ("actions", np.int64)):
+            array = np.array(getattr(self, name), dtype=kind, order="C")
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+        n = len(self.actions)
+        shapes = [array.shape for array in (self.cycles, self.keepers, self.actions)]
+        if self.states.ndim != 2 or len(self.states) != n or any(shape != (n,) for shape in shapes):
+            raise ValueError(
+                f"episode {self.episode.number}: cycles, keepers, actions and the rows of states must be equally many, "
+                f"not {shapes[0]}, {shapes[1]}, {shapes[2]} and {self.states.shape}"
+            )
+        check_episode(self.episode, self.cycles)
+
+    def __len__(self) -> int:
+        """Number of decisions."""
+        return len(self.actions)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Demonstration):
+            return NotImplemented
+        return (self.episode, self.teacher) == (other.episode, other.teacher) and all(
+            np.array_equal(getattr(self, name), getattr(other, name))
+            for name in ("cycles", "keepers", "states", "actions")
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def duration(self) -> float:
+        """Duration in seconds of simulated time."""
+        return self.episode.cycles / 10.0
+
+    @property
+    def decisions(self) -> list[Decision]:
+        """The decisions one by one."""
+        return [
+            Decision(int(cycle), int(keeper), tuple(map(float, state)), int(action))
+            for cycle, keeper, state, action in zip(self.cycles, self.keepers, self.states, self.actions, strict=True)
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class DemonstrationSet:
+    """Demonstrated episodes of one task, of one teacher or several.
+
+    Attributes
+    ----------
+    info : DemonstrationInfo
+    episodes : tuple of Demonstration
+
+    Raises
+    ------
+    ValueError
+        When a decision does not fit the task.
+    """
+
+    info: DemonstrationInfo
+    episodes: tuple[Demonstration, ...]
+
+    def __post_init__(self) -> None:
+        for demonstration in self.episodes:
+            for index, decision in enumerate(demonstration.decisions, start=1):
+                try:
+                    check_decision(self.info, decision.keeper, decision.state, decision.action)
+                except ValueError as error:
+                    raise ValueError(f"episode {demonstration.episode.number}, decision {index}: {error}") from error
+
+    def __len__(self) -> int:
+        """Number of episodes."""
+        return len(self.episodes)
+
+    def __iter__(self) -> Iterator[Demonstration]:
+        return iter(self.episodes)
+
+    # --- rows ---------------------------------------------------------------------------------------------------
+
+    @property
+    def n_decisions(self) -> int:
+        """Number of decisions in all episodes."""
+        return sum(map(len, self.episodes))
+
+    @property
+    def X(self) -> NDArray[np.float64]:
+        """States of all decisions, shape (n_decisions, n_variables)."""
+        return np.concatenate([np.empty((0, self.info.n_variables)), *(d.states for d in self.episodes)])
+
+    @property
+    def y(self) -> NDArray[np.int64]:
+        """Actions of all decisions, shape (n_decisions,)."""
+        return np.concatenate([np.empty(0, dtype=np.int64), *(d.actions for d in self.episodes)])
+
+    @property
+    def groups(self) -> NDArray[np.int64]:
+        """Position of each decision's episode in the set, shape (n_decisions,)."""
+        return np.repeat(np.arange(len(self.episodes)), [len(d) for d in self.episodes])
+
+    @property
+    def durations(self) -> NDArray[np.float64]:
+        """Durations of the episodes in seconds."""
+        return np.array([d.duration for d in self.episodes])
+
+    def sequences(
+        self,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Decisions as their keepers lived them, for learners: each keeper's episode in one piece.
+
+        Returns
+        -------
+        states, actions : ndarray, shapes (n, n_variables) and (n,)
+        rewards : ndarray of float64, shape (n,)
+            Cycles to the same keeper's next decision, or to the end of the episode.
+        last : ndarray of bool, shape (n,)
+            Last decision of a keeper in an episode.
+        """
+        order, rewards, last = [], [], []
+        offset = 0
+        for demonstration in self.episodes:
+            for keeper in np.unique(demonstration.keepers):
+                own = np.flatnonzero(demonstration.keepers == keeper)
+                times = np.append(demonstration.cycles[own], demonstration.episode.end)
+                order.append(offset + own)
+                rewards.append(np.diff(times).astype(np.float64))
+                last.append(np.arange(len(own)) == len(own) - 1)
+            offset += len(demonstration)
+        if not order:
+            return self.X, self.y, np.empty(0), np.empty(0, dtype=np.bool_)
+        rows = np.concatenate(order)
+        return self.X[rows], self.y[rows], np.concatenate(rewards), np.concatenate(last)
+
+    def to_frame(self) -> DataFrame:
+        """Return the table as a pandas ``DataFrame``, columns as in the file."""
+        import pandas as pd  # heavy, and needed nowhere else here
+
+        data: dict[str, object] = {
+            "episode": np.repeat([d.episode.number for d in self.episodes], [len(d) for d in self.episodes]),
+            "cycle": _joined([d.cycles for d in self.episodes]),
+            "keeper": _joined([d.keepers for d in self.episodes]),
+        }
+        rows = self.X
+        data |= {f"s{k}": rows[:, k] for k in range(self.info.n_variables)}
+        return pd.DataFrame(data | {"action": self.y}, columns=columns(self.info.n_variables))
+
+    # --- choosing episodes --------------------------------------------------------------------------------------
+
+    def best(self, n: int) -> DemonstrationSet:
+        """Return the n longest episodes, in the order they were recorded."""
+        return self._chosen(np.argsort(-self.durations, kind="stable")[: self._checked(n)])
+
+    def worst(self, n: int) -> DemonstrationSet:
+        """Return the n shortest episodes, in the order they were recorded."""
+        return self._chosen(np.argsort(self.durations, kind="stable")[: self._checked(n)])
+
+    def random(self, n: int, seed: int) -> DemonstrationSet:
+        """Return n episodes drawn at random, in the order they were recorded."""
+        return self._chosen(np.random.default_rng(seed).permutation(len(self))[: self._checked(n)])
+
+    def split(self, n: int, seed: int | None = None) -> tuple[DemonstrationSet, DemonstrationSet]:
+        """Return n episodes and the others: the first n, or, with a seed, n drawn at random."""
+        order = np.arange(len(self)) if seed is None else np.random.default_rng(seed).permutation(len(self))
+        first = self._checked(n)
+        return self._chosen(order[:first]), self._chosen(order[first:])
+
+    def _checked(self, n: int) -> int:
+        if not 0 <= n <= len(self):
+            raise ValueError(f"the demonstration has {len(self)} episodes; cannot take {n} of them")
+        return n
+
+    def _chosen(self, positions: NDArray[np.intp]) -> DemonstrationSet:
+        return replace(self, episodes=tuple(self.episodes[k] for k in np.sort(positions)))
+
+    # --- figures ------------------------------------------------------------------------------------------------
+
+    def describe(self) -> Description:
+        """Return durations, shares of the actions, and how far the states reach."""
+        n_actions = self.info.task.keepers
+        rows = self.X
+        ends = [d.episode.reason for d in self.episodes if d.episode.reason != UNKNOWN]
+        return Description(
+            self.info,
+            self.durations,
+            ends.count(OUT) / len(ends) if ends else float("nan"),
+            np.bincount(self.y, minlength=n_actions),
+            np.stack([rows.min(0), rows.mean(0), rows.max(0)]) if len(rows) else np.full((3, rows.shape[1]), np.nan),
+            _coverage(rows, self.info),
+        )
+
+    # --- files --------------------------------------------------------------------------------------------------
+
+    def save(self, path: str | Path) -> None:
+        """Write the table (``x.csv``) and its header (``x.json``)."""
+        table, header = file_pair(path)
+        rows = (table_rows(d.episode.number, d.decisions) for d in self.episodes)
+        write_text(table, table_head(self.info.n_variables) + "".join(rows))
+        entries = [Entry(d.episode, d.teacher, len(d)) for d in self.episodes]
+        write_text(header, header_text(self.info, entries, table.name))
+
+    @classmethod
+    def load(cls, path: str | Path) -> DemonstrationSet:
+        """Read a demonstration; ``path`` is its table or its header.
+
+        Raises
+        ------
+        FileFormatError
+            Naming file, line and what would be right.
+        """
+        table, header = file_pair(path)
+        info, entries = read_header(header)
+        episodes = []
+        for entry, decisions in zip(entries, read_table(table, info, entries), strict=True):
+            states = np.array([d.state for d in decisions], dtype=np.float64).reshape(-1, info.n_variables)
+            try:
+                episodes.append(
+                    Demonstration(
+                        entry.episode,
+                        entry.teacher,
+                        np.array([d.cycle for d in decisions], dtype=np.int64),
+                        np.array([d.keeper for d in decisions], dtype=np.int64),
+                        states,
+                        np.array([d.action for d in decisions], dtype=np.int64),
+                    )
+                )
+            except ValueError as error:
+                raise FileFormatError(f"{table}: {error}") from error
+        return cls(info, tuple(episodes))
+
+    def to_arff(self, path: str | Path) -> None:
+        """Write all decisions as an ARFF file for Weka; attributes ``state_0`` .. and the nominal ``action``."""
+        names = self.info.variable_names
+        head = [f"% demonstration of {self.info.teacher}, {self.info.task.size}"]
+        head += [f"% state_{k} = {name}" for k, name in enumerate(names)]
+        head += ["@relation demonstration", *(f"@attribute state_{k} numeric" for k in range(len(names)))]
+        head += ["@attribute action {" + ",".join(str(k) for k in range(self.info.task.keepers)) + "}", "@data"]
+        rows = [",".join([*map(repr, map(float, x)), str(a)]) for x, a in zip(self.X, self.y, strict=True)]
+        write_text(Path(path), "\n".join(head + rows) + "\n")
+
+
+def combine(sets: Iterable[DemonstrationSet]) -> DemonstrationSet:
+    """Join demonstrations of one task, for example of several teachers; episodes are numbered anew.
+
+    Raises
+    ------
+    ValueError
+        When there is none, or the tasks differ.
+    """
+    parts = list(sets)
+    if not parts:
+        raise ValueError("there is no demonstration to combine; give one or more")
+    first = parts[0].info
+    for part in parts[1:]:
+        if part.info.task != first.task:
+            raise ValueError(
+                f"only demonstrations of one task can be combined: {first.teacher} demonstrated {first.task}, "
+                f"{part.info.teacher} {part.info.task}"
+            )
+    infos = [part.info for part in parts]
+    episodes = [
+        replace(d, episode=replace(d.episode, number=number))
+        for number, d in enumerate((d for part in parts for d in part.episodes), start=1)
+    ]
+    info = DemonstrationInfo(
+        " + ".join(dict.fromkeys(info.teacher for info in infos)),
+        _common([info.stage for info in infos], "several"),
+        first.task,
+        {k: v for k, v in first.server.items() if all(info.server.get(k) == v for info in infos)},
+        _common([info.seed for info in infos], None),
+        _common([info.date for info in infos], None),
+        "; ".join(dict.fromkeys(info.notes for info in infos if info.notes)),
+    )
+    return DemonstrationSet(info, tuple(episodes))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Description:
+    """Figures of a demonstration.
+
+    Attributes
+    ----------
+    info : DemonstrationInfo
+    durations : ndarray, shape (n_episodes,)
+        Seconds.
+    share_out : float
+        Share of the episodes that ended with the ball out, of those whose end is known; nan without any.
+    action_counts : ndarray of int, shape (n_actions,)
+    ranges : ndarray, shape (3, n_variables)
+        Minimum, mean and maximum of each state variable.
+    coverage : ndarray, shape (n_variables,)
+        Share of ten equal parts of each variable's possible range in the region that hold a decision.
+    """
+
+    info: DemonstrationInfo
+    durations: NDArray[np.float64]
+    share_out: float
+    action_counts: NDArray[np.int64]
+    ranges: NDArray[np.float64]
+    coverage: NDArray[np.float64]
+
+    @property
+    def action_shares(self) -> NDArray[np.float64]:
+        """Share of each action; nan without decisions."""
+        total = self.action_counts.sum()
+        return self.action_counts / total if total else np.full(len(self.action_counts), np.nan)
+
+    def to_text(self) -> str:
+        """Return the figures for people."""
+        task = self.info.task
+        where = f"{self.info.stage}: {task.size}, {task.field} m, vision {task.vision}"
+        lines = [f"Demonstration of {self.info.teacher} on {where}"]
+        if not len(self.durations):
+            return "\n".join([*lines, "  no episode was finished"])
+        d = self.durations
+        lines.append(
+            f"  {len(d)} episodes, mean {d.mean():.2f} s (sd {d.std():.2f}, shortest {d.min():.1f}, "
+            f"median {np.median(d):.1f}, longest {d.max():.1f})"
+            + ("" if np.isnan(self.share_out) else f"; {100 * self.share_out:.0f} % ended with the ball out")
+        )
+        shares = zip(range(len(self.action_counts)), self.action_counts, self.action_shares, strict=True)
+        actions = ", ".join(f"{action_name(k)} {n} ({100 * share:.1f} %)" for k, n, share in shares)
+        lines.append(f"  {self.action_counts.sum()} decisions: {actions}")
+        width = max(map(len, self.info.variable_names))
+        lines.append(f"  {'variable':<{width + 11}}{'min':>8}{'mean':>8}{'max':>8}{'covered':>9}")
+        for k, name in enumerate(self.info.variable_names):
+            low, mean, high = self.ranges[:, k]
+            label = f"state_{k} {name}"
+            covered = f"{100 * self.coverage[k]:.0f} %"
+            lines.append(f"  {label:<{width + 11}}{low:8.2f}{mean:8.2f}{high:8.2f}{covered:>9}")
+        return "\n".join(lines)
+
+
+def _coverage(rows: NDArray[np.float64], info: DemonstrationInfo) -> NDArray[np.float64]:
+    bins = np.clip((COVERAGE_BINS * rows / _state_ranges(info)).astype(np.int64), 0, COVERAGE_BINS - 1)
+    return np.array([len(np.unique(column)) for column in bins.T]) / COVERAGE_BINS
+
+
+def _state_ranges(info: DemonstrationInfo) -> NDArray[np.float64]:
+    """Largest value each variable can take inside the region: half the diagonal, the diagonal, or 180 degrees."""
+    task = info.task
+    diagonal = float(np.hypot(task.length, task.width))
+    mates, players = task.keepers - 1, task.keepers - 1 + task.takers
+    return np.array(
+        [diagonal / 2] + [diagonal] * players + [diagonal / 2] * players + [diagonal] * mates + [180.0] * mates
+    )
+
+
+def _joined(arrays: list[NDArray[np.int64]]) -> NDArray[np.int64]:
+    return np.concatenate([np.empty(0, dtype=np.int64), *arrays])
+
+
+def _common(values: list[T], otherwise: T) -> T:
+    return values[0] if all(value == values[0] for value in values) else otherwise
