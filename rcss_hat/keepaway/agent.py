@@ -28,7 +28,7 @@ from rcss_hat.player.localisation import landmarks_wanted
 from rcss_hat.player.motion import ball_after
 from rcss_hat.player.records import AGENT, N_AHEAD, N_SLOTS, NEVER, NOT_COMPUTED, OPPONENTS
 from rcss_hat.player.sight import shows_everyone, watch
-from rcss_hat.protocol.records import LEFT, MAX_PLAYERS, RIGHT
+from rcss_hat.protocol.records import LEFT, MAX_PLAYERS, NO_COMMAND, RIGHT
 
 Record = NDArray[np.void]
 
@@ -212,6 +212,10 @@ def act(agent: Record, params: Record, choice: int, action_out: Record) -> None:
     kind, a, b = agent["plan_kind"][0], agent["plan_a"][0], agent["plan_b"][0]
     neck = np.trunc(agent["plan_neck"][0]) if agent["plan_turns_neck"][0] else 0.0
     speak(agent, params, kind, a, b, action_out)
+    if agent["withheld"][0]:
+        kind, a, b, neck = NO_COMMAND, 0.0, 0.0, 0.0
+        agent["plan_turns_neck"][0] = 0
+        action_out["say_n"][0] = 0
     action_out["kind"][0] = kind
     action_out["a"][0] = np.trunc(a)
     action_out["b"][0] = np.trunc(b)

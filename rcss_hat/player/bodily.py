@@ -35,7 +35,9 @@ def feel(agent: Record, params: Record, sense: Record, others: bool) -> None:
         False when the see message that follows shows every known player anyway: their motion is then not predicted.
     """
     agent["now"][0] = sense["time"][0]
+    fresh, kind = agent["now"][0] - agent["sent_time"][0] == 1, agent["sent_kind"][0]
     dashed, turned, kicked, neck_turned = _confirmed(agent, sense)
+    missed = (kind == DASH and not dashed) or (kind == TURN and not turned) or (kind == KICK and not kicked)
     if kicked:
         agent["fast_see"][0] = NEVER
         _roll_kicked_ball(agent, params)
@@ -46,7 +48,8 @@ def feel(agent: Record, params: Record, sense: Record, others: bool) -> None:
     agent["effort"][0] = sense["effort"][0]
     agent["speed"][0] = sense["speed"][0]
     agent["speed_direction"][0] = sense["speed_direction"][0]
-    _move_self(agent, params, dashed, turned, neck_turned)
+    hit = _move_self(agent, params, dashed, turned, neck_turned)
+    agent["withheld"][0] = hit and missed and fresh
     me = agent["me"][0]
     agent["player_pos"][0, me, 0] = agent["pos"][0, 0]
     agent["player_pos"][0, me, 1] = agent["pos"][0, 1]
@@ -117,8 +120,8 @@ def _roll_kicked_ball(agent: Record, params: Record) -> None:
 
 
 @njit
-def _move_self(agent: Record, params: Record, dashed: bool, turned: bool, neck_turned: bool) -> None:
-    """Own pose one cycle on: from the sensed speed, or after a collision from the command given."""
+def _move_self(agent: Record, params: Record, dashed: bool, turned: bool, neck_turned: bool) -> bool:
+    """Own pose one cycle on: from the sensed speed, or after a collision (then True) from the command given."""
     decay = params["player_decay"][0]
     neck = agent["neck"][0]
     if neck_turned:
@@ -129,7 +132,7 @@ def _move_self(agent: Record, params: Record, dashed: bool, turned: bool, neck_t
         # While turning the player rolls: its speed before decay is the one it turned with.
         neck += agent["sent_a"][0] / (1.0 + params["inertia_moment"][0] * speed / decay)
     if _collided(agent, params, dashed, turned, before):
-        return
+        return True
     way = (neck + agent["speed_direction"][0]) * DEG
     vx, vy = speed * math.cos(way), speed * math.sin(way)
     rolled_x, rolled_y = limited(vx / decay, vy / decay, params["player_speed_max"][0])
@@ -138,6 +141,7 @@ def _move_self(agent: Record, params: Record, dashed: bool, turned: bool, neck_t
     agent["vel"][0, 0] = rolled_x * decay
     agent["vel"][0, 1] = rolled_y * decay
     face(agent, neck)
+    return False
 
 
 @njit

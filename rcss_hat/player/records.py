@@ -70,6 +70,7 @@ AGENT = np.dtype(
         ("sent_a", "f8"),
         ("sent_b", "f8"),
         ("sent_neck", "f8"),  # 0 when the neck was left alone
+        ("withheld", "u1"),  # 1: no command in this cycle, the last one may still be under way
         # ball
         ("ball_pos", "f8", (2,)),
         ("ball_vel", "f8", (2,)),
