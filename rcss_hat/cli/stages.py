@@ -1,0 +1,112 @@
+"""Playing on whatever stage was asked for: the arena, or a server over UDP, ours or somebody's."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+from rcss_hat.cli.common import ARENA, REAL
+from rcss_hat.hat.policy import TeamPolicy
+from rcss_hat.keepaway.report import RunReport
+from rcss_hat.keepaway.task import Task
+
+ENDLESS = 10**9
+INTERRUPTED = "interrupted"
+
+
+def play_on_stage(
+    report: RunReport,
+    task: Task,
+    seed: int,
+    policy: TeamPolicy,
+    stage: str | tuple[str, int],
+    episodes: int,
+    executable: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Play a number of episodes with both teams and fill a report.
+
+    Parameters
+    ----------
+    report : RunReport
+        Filled in place; whatever ends the match early is its ``failure``.
+    task, seed, policy, episodes
+        As in `rcss_hat.arena.match.play` and `rcss_hat.team.match.play`.
+    stage : str or (str, int)
+    executable : str, optional
+        The rcssserver for the stage ``real``.
+    progress : callable, optional
+        Told (episodes finished, cycle).
+
+    Raises
+    ------
+    RuntimeError
+        When there is no server to play on.
+    """
+    if stage == ARENA:
+        from rcss_hat.arena.match import play as play_in_arena
+
+        play_in_arena(report, task, seed, policy, episodes, progress)
+        return
+
+    def told(finished: int, cycle: int) -> bool:
+        if progress is not None:
+            progress(finished, cycle)
+        return False
+
+    play_over_udp(report, task, seed, policy, stage, told, episodes, executable)
+
+
+def play_over_udp(
+    report: RunReport,
+    task: Task,
+    seed: int,
+    policy: TeamPolicy,
+    stage: str | tuple[str, int],
+    episode_ended: Callable[[int, int], bool],
+    episodes: int = ENDLESS,
+    executable: str | None = None,
+) -> None:
+    """Play on a server until so many episodes have ended, or a function says that it is enough.
+
+    Parameters
+    ----------
+    episode_ended : callable
+        Told (episodes finished, cycle) after every episode; true ends the match.
+    report, task, seed, policy, stage, episodes, executable
+        See `play_on_stage`.
+    """
+    from rcss_hat.team.match import play
+    from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
+
+    server = None
+    if not isinstance(stage, tuple):
+        found = find_executable(executable) if stage == REAL else None
+        if stage == REAL and found is None:
+            raise ServerFailed(
+                f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
+            )
+        server = ServerProcess(task, seed, found)
+    enough = False
+
+    async def run() -> None:
+        match = asyncio.current_task()
+        assert match is not None
+
+        def ended(finished: int, cycle: int) -> None:
+            nonlocal enough
+            if not enough and episode_ended(finished, cycle):
+                enough = True
+                match.cancel()
+
+        await play(report, task, seed, policy, episodes, server, stage if isinstance(stage, tuple) else None, ended)
+
+    try:
+        asyncio.run(run())
+    except KeyboardInterrupt:
+        report.failure = report.failure or INTERRUPTED
+    finally:
+        if server is not None:
+            server.clean()
+    if enough and report.failure == INTERRUPTED:
+        report.failure = None

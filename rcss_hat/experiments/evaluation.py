@@ -1,0 +1,68 @@
+"""Playing a policy without learning, to see how good it is."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+
+from rcss_hat.arena.match import play
+from rcss_hat.hat.decision_list import DecisionList
+from rcss_hat.hat.policy import TeamPolicy, learners_policy
+from rcss_hat.hat.transfer import Learners
+from rcss_hat.keepaway.report import RunReport
+from rcss_hat.keepaway.task import Task
+from rcss_hat.numeric import rng
+
+ARENA = "arena"
+
+
+def frozen_policy(
+    learners: Learners, rules: DecisionList | None, seed: int, exploring: bool = False, spec: str = "learned"
+) -> TeamPolicy:
+    """Return the policy that learners have now, as a copy that does not learn.
+
+    Parameters
+    ----------
+    learners : Learners
+        Left as they are.
+    rules : DecisionList, optional
+        The advice D of their method.
+    seed : int
+        Of the copy's own randomness: ties, reuse of advice, and exploration if it is on.
+    exploring : bool
+        Whether epsilon applies.
+    spec : str
+        What reports call it.
+    """
+    frozen = copy.deepcopy(learners)
+    frozen.set_mode(learning=False, exploring=exploring)
+    for k in range(frozen.n_keepers):
+        frozen.streams[k] = rng.stream(seed, rng.LEARNER, k)
+    return learners_policy(frozen, rules, spec)
+
+
+def evaluate(
+    policy: TeamPolicy,
+    task: Task,
+    seed: int,
+    episodes: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> RunReport:
+    """Play a policy in the arena.
+
+    Parameters
+    ----------
+    policy : TeamPolicy
+        See `frozen_policy`.
+    task : Task
+    seed, episodes : int
+    progress : callable, optional
+        Told (episodes finished, cycle).
+
+    Returns
+    -------
+    RunReport
+    """
+    report = RunReport(ARENA, policy.spec, "hand", task.size, task.field, task.vision, seed)
+    play(report, task, seed, policy, episodes, progress)
+    return report

@@ -1,0 +1,200 @@
+"""One trial: a training run with evaluations before and after, as a plain function of plain data.
+
+`run_trial` takes a job (JSON data) and a folder; `run_trial_away` takes the job alone and gives the files back, for
+machines that share no disk. Both are top-level functions of a module, so that joblib and Dask can send them anywhere.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rcss_hat.experiments.demonstrating import watch
+from rcss_hat.experiments.episode_log import CYCLES_PER_HOUR
+from rcss_hat.experiments.evaluation import evaluate, frozen_policy
+from rcss_hat.experiments.sets import fingerprint, summary_of
+from rcss_hat.experiments.training import CHECKPOINT_S, RunConfig, TrainingError, TrainingRun, versions
+from rcss_hat.hat.decision_list import DecisionList
+from rcss_hat.hat.demonstrations import DemonstrationSet, combine
+from rcss_hat.hat.files import write_text
+from rcss_hat.hat.transfer import Decisions, Learners
+from rcss_hat.keepaway.report import RunReport
+
+RESULT = "result.json"
+Job = dict[str, Any]
+"""A trial as JSON data.
+
+``condition``, ``trial``: for people. ``config``: `RunConfig.to_dict`. ``rules``: text of a decision list's JSON, or None.
+``demonstrations``: texts of a demonstration's table and header, or None. ``rounds``: list of ``{hour, rules}`` or
+``{hour, watch, episodes}``. ``evaluation_episodes``: int.
+"""
+INITIAL, FINAL, WATCHED = range(1, 4)
+"""Keys of the seeds of a trial's evaluations and of what its teachers watch."""
+
+
+def derived_seed(seed: int, *key: int) -> int:
+    """Return a seed that belongs to a trial's seed and a key, not negative and below 2**31."""
+    return int(np.random.SeedSequence(seed, spawn_key=key).generate_state(1, np.uint32)[0] >> 1)
+
+
+def read_result(folder: Path) -> dict[str, Any] | None:
+    """Return the result of a finished trial, or None."""
+    path = folder / RESULT
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+
+
+def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) -> dict[str, Any]:
+    """Run a trial, or what is missing of it.
+
+    Parameters
+    ----------
+    job : dict
+        See `Job`.
+    folder : Path or str
+        Of this trial alone. A finished trial is not run again, an interrupted one goes on at its last checkpoint.
+    checkpoint_s : float
+
+    Returns
+    -------
+    dict
+        The result, as in ``result.json``.
+
+    Raises
+    ------
+    TrainingError
+        When the folder holds a trial of another job.
+    """
+    folder = Path(folder)
+    known = read_result(folder)
+    if known is not None:
+        if known["job"] != fingerprint(job):
+            raise TrainingError(f"{folder} holds a trial with other settings; use a new folder for the results")
+        return known
+    started = time.monotonic()
+    config = RunConfig.from_dict({**job["config"], "hours": job["config"]["hours"] or 1.0})
+    rules = None if job["rules"] is None else DecisionList.from_json(job["rules"])
+    demonstrations = _demonstrations(job)
+    decisions = Decisions.of(*demonstrations.sequences()) if demonstrations and config.method.replay_passes else None
+    n, seed = job["evaluation_episodes"], config.seed
+    result: dict[str, Any] = {
+        "condition": job["condition"],
+        "trial": job["trial"],
+        "seed": seed,
+        "job": fingerprint(job),
+        "hours": job["config"]["hours"],
+        "initial": _evaluation(_fresh(config, decisions), rules, config, derived_seed(seed, INITIAL), n),
+        "greedy": None,
+        "episodes": 0,
+        "cycles": 0,
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    if job["config"]["hours"] > 0:
+        run = _opened(folder, config, rules, decisions)
+        _learn(run, job["rounds"], demonstrations, checkpoint_s)
+        result["greedy"] = _evaluation(run.learners, run.rules, config, derived_seed(seed, FINAL), n)
+        result["episodes"], result["cycles"] = run.episodes, run.cycles
+    result["wall_s"] = round(time.monotonic() - started, 2)
+    result["versions"] = versions()
+    write_text(folder / RESULT, json.dumps(result, indent=1) + "\n")
+    return result
+
+
+def run_trial_away(job: Job) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """Run a trial in a temporary folder of this machine.
+
+    Returns
+    -------
+    dict
+        The result.
+    dict of str to bytes
+        The files of the trial.
+    """
+    with tempfile.TemporaryDirectory(prefix="rcss-hat-") as name:
+        result = run_trial(job, name)
+        return result, {path.name: path.read_bytes() for path in sorted(Path(name).iterdir())}
+
+
+def keep_files(folder: Path, contents: dict[str, bytes]) -> None:
+    """Write the files that `run_trial_away` returned, the result last."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name in sorted(contents, key=lambda name: name == RESULT):
+        (folder / name).write_bytes(contents[name])
+
+
+def _opened(folder: Path, config: RunConfig, rules: DecisionList | None, decisions: Decisions | None) -> TrainingRun:
+    if not (folder / "config.json").exists():
+        return TrainingRun.create(folder, config, rules, decisions)
+    run = TrainingRun.open(folder)
+    if run.config != config:
+        raise TrainingError(f"{folder} holds a trial with other settings; use a new folder for the results")
+    return run
+
+
+def _learn(
+    run: TrainingRun, rounds: list[dict[str, Any]], demonstrations: DemonstrationSet | None, checkpoint_s: float
+) -> None:
+    """Train through all rounds; those that the run has behind it are only made again as far as later ones need them."""
+    gathered = demonstrations
+    for number, entry in enumerate(rounds, 1):
+        if run.round < number:
+            run.train(checkpoint_s=checkpoint_s, until=round(entry["hour"] * CYCLES_PER_HOUR))
+        if "watch" in entry:
+            path = run.folder / f"watched-{number}.csv"
+            if run.round < number:
+                _watched(run, entry, number).save(path)
+            assert gathered is not None
+            gathered = combine([gathered, DemonstrationSet.load(path)])
+        if run.round < number:
+            if "watch" in entry:
+                assert gathered is not None
+                rules = summary_of(gathered)[0]
+            else:
+                rules = DecisionList.from_json(entry["rules"])
+            run.new_round(rules)
+    run.train(checkpoint_s=checkpoint_s)
+
+
+def _watched(run: TrainingRun, entry: dict[str, Any], number: int) -> DemonstrationSet:
+    seed = derived_seed(run.config.seed, WATCHED, number)
+    policy = frozen_policy(run.learners, run.rules, seed)
+    return watch(run.config.task, policy, entry["watch"], entry["episodes"], seed)
+
+
+def _fresh(config: RunConfig, decisions: Decisions | None) -> Learners:
+    task = config.task
+    learners = Learners.create(config.learner, config.method, task.keepers, task.takers, config.seed)
+    if decisions is not None:
+        learners.replay(decisions)
+    return learners
+
+
+def _evaluation(
+    learners: Learners, rules: DecisionList | None, config: RunConfig, seed: int, episodes: int
+) -> dict[str, Any] | None:
+    if not episodes:
+        return None
+    report: RunReport = evaluate(frozen_policy(learners, rules, seed), config.task, seed, episodes)
+    durations = np.array(report.durations_s)
+    return {
+        "seed": seed,
+        "episodes": len(durations),
+        "mean_s": float(durations.mean()),
+        "sd_s": float(durations.std(ddof=1)) if len(durations) > 1 else 0.0,
+        "out_share": float(np.mean([episode.reason == "o" for episode in report.episodes])),
+    }
+
+
+def _demonstrations(job: Job) -> DemonstrationSet | None:
+    if job["demonstrations"] is None:
+        return None
+    with tempfile.TemporaryDirectory(prefix="rcss-hat-") as name:
+        for ending, text in job["demonstrations"].items():
+            (Path(name) / f"demonstrations.{ending}").write_text(text, encoding="utf-8")
+        return DemonstrationSet.load(Path(name) / "demonstrations.csv")
