@@ -1,0 +1,267 @@
+"""Comparing conditions: the paper's t-test, and what reviewers ask for today.
+
+A sample is one number per trial. The paper compares every condition with No Prior by a two-sided Student t-test. Beside
+it stand Welch's test with Holm's correction over all comparisons of a table, a bootstrap interval of the difference of
+means, and Cliff's delta. Trials that share one set of demonstrations speak about that set only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+BOOTSTRAPS = ("bca", "percentile")
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """An estimate and its confidence interval."""
+
+    estimate: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class TTest:
+    """A two-sided test: statistic, degrees of freedom, p-value."""
+
+    statistic: float
+    df: float
+    p: float
+
+
+def standard_error(values: ArrayLike) -> float:
+    """Standard error of a mean; nan for fewer than two values."""
+    sample = _sample(values, 1)
+    return float(sample.std(ddof=1) / math.sqrt(sample.size)) if sample.size > 1 else math.nan
+
+
+def mean_interval(values: ArrayLike, confidence: float = 0.95) -> Interval:
+    """Mean and its confidence interval by Student's t; the interval is nan for a single value."""
+    sample = _sample(values, 1)
+    mean = float(sample.mean())
+    if sample.size == 1:
+        return Interval(mean, math.nan, math.nan)
+    half = float(stats.t.ppf(0.5 + confidence / 2.0, sample.size - 1)) * standard_error(sample)
+    return Interval(mean, mean - half, mean + half)
+
+
+def ci95(values: ArrayLike) -> float:
+    """Half width of the 95 % interval of a mean by Student's t; nan for a single value."""
+    interval = mean_interval(values)
+    return interval.high - interval.estimate
+
+
+def interquartile_mean(values: ArrayLike) -> float:
+    """Mean without the lowest and the highest quarter of the values (rounded down): robust against single trials."""
+    return float(stats.trim_mean(_sample(values, 1), 0.25))
+
+
+def student_t(a: ArrayLike, b: ArrayLike) -> TTest:
+    """Test whether two independent samples have the same mean, assuming equal variances.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two values in a sample.
+    """
+    return _t_test(a, b, equal_variances=True)
+
+
+def welch_t(a: ArrayLike, b: ArrayLike) -> TTest:
+    """Test whether two independent samples have the same mean, whatever their variances; see `student_t`."""
+    return _t_test(a, b, equal_variances=False)
+
+
+def holm(p_values: ArrayLike) -> NDArray[np.float64]:
+    """Adjust p-values for multiple comparisons by Holm's step-down method.
+
+    Parameters
+    ----------
+    p_values : array_like, shape (k,)
+
+    Returns
+    -------
+    ndarray of float64, shape (k,)
+        In the same order; compare them with the level of significance.
+    """
+    p = np.asarray(p_values, dtype=np.float64)
+    order = np.argsort(p, kind="stable")
+    stepped = p[order] * (p.size - np.arange(p.size))
+    adjusted = np.empty_like(p)
+    adjusted[order] = np.minimum(1.0, np.maximum.accumulate(stepped))
+    return adjusted
+
+
+def bootstrap_difference(
+    a: ArrayLike,
+    b: ArrayLike,
+    seed: int = 0,
+    confidence: float = 0.95,
+    resamples: int = 10_000,
+    method: str = "bca",
+) -> Interval:
+    """Difference of means ``mean(a) - mean(b)`` with its bootstrap confidence interval.
+
+    Parameters
+    ----------
+    a, b : array_like
+        Independent samples, resampled each for itself.
+    seed : int
+        Decides the resampling.
+    confidence : float
+    resamples : int
+    method : {"bca", "percentile"}
+        Bias-corrected and accelerated, or plain percentiles.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two values in a sample, or an unknown method.
+    """
+    if method not in BOOTSTRAPS:
+        raise ValueError(f"bootstrap method must be one of {', '.join(BOOTSTRAPS)}, not {method!r}")
+    first, second = _sample(a, 2), _sample(b, 2)
+    difference = float(first.mean() - second.mean())
+    if _is_constant(first) and _is_constant(second):
+        return Interval(difference, difference, difference)
+    found = stats.bootstrap(
+        (first, second),
+        lambda x, y, axis: x.mean(axis=axis) - y.mean(axis=axis),
+        n_resamples=resamples,
+        confidence_level=confidence,
+        method={"bca": "BCa", "percentile": "percentile"}[method],
+        rng=np.random.default_rng(seed),
+        vectorized=True,
+    ).confidence_interval
+    return Interval(difference, float(found.low), float(found.high))
+
+
+def cliffs_delta(a: ArrayLike, b: ArrayLike) -> float:
+    """Share of pairs in which a is greater, minus the share in which it is smaller: from -1 to 1."""
+    first, second = _sample(a, 1), _sample(b, 1)
+    return float(np.sign(first[:, None] - second[None, :]).mean())
+
+
+def probability_of_improvement(a: ArrayLike, b: ArrayLike) -> float:
+    """Probability that a random value of a exceeds one of b, ties counting half."""
+    return (cliffs_delta(a, b) + 1.0) / 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A condition against the baseline.
+
+    Attributes
+    ----------
+    n, n_baseline : int
+        Trials.
+    mean, standard_error : float
+        Of the condition.
+    difference, low, high : float
+        Of means, with its 95 % bootstrap interval.
+    p_student, p_welch : float
+        Two-sided, not corrected for the number of comparisons.
+    cliffs_delta, p_improvement : float
+        See the functions of those names.
+    """
+
+    n: int
+    n_baseline: int
+    mean: float
+    standard_error: float
+    difference: float
+    low: float
+    high: float
+    p_student: float
+    p_welch: float
+    cliffs_delta: float
+    p_improvement: float
+
+
+def compare(values: ArrayLike, baseline: ArrayLike, seed: int = 0, method: str = "bca") -> Comparison:
+    """Compare a condition with the baseline; ``seed`` and ``method`` are those of `bootstrap_difference`.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two trials of either.
+    """
+    interval = bootstrap_difference(values, baseline, seed, method=method)
+    sample = _sample(values, 2)
+    return Comparison(
+        n=sample.size,
+        n_baseline=_sample(baseline, 2).size,
+        mean=float(sample.mean()),
+        standard_error=standard_error(sample),
+        difference=interval.estimate,
+        low=interval.low,
+        high=interval.high,
+        p_student=student_t(values, baseline).p,
+        p_welch=welch_t(values, baseline).p,
+        cliffs_delta=cliffs_delta(values, baseline),
+        p_improvement=probability_of_improvement(values, baseline),
+    )
+
+
+def comparison_table(samples: Mapping[str, ArrayLike], baseline: str, seed: int = 0) -> pd.DataFrame:
+    """Compare every condition of a table with one of them.
+
+    Parameters
+    ----------
+    samples : mapping of str to array_like
+        One number per trial, by condition.
+    baseline : str
+        A key of ``samples``.
+    seed : int
+
+    Returns
+    -------
+    DataFrame
+        Index: the other conditions, in order. Columns: the attributes of `Comparison`, and ``p_holm``, Welch's p-value
+        corrected for all comparisons of the table.
+
+    Raises
+    ------
+    ValueError
+        When the baseline is not among the conditions, or a condition has fewer than two trials.
+    """
+    if baseline not in samples:
+        raise ValueError(f"no condition {baseline!r} to compare with; there are {', '.join(samples)}")
+    rows: dict[str, dict[str, Any]] = {}
+    for name, values in samples.items():
+        if name != baseline:
+            rows[name] = asdict(compare(values, samples[baseline], seed))
+    columns = list(Comparison.__dataclass_fields__)
+    table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
+    table["p_holm"] = holm(table["p_welch"].to_numpy(dtype=np.float64))
+    return table
+
+
+def _t_test(a: ArrayLike, b: ArrayLike, equal_variances: bool) -> TTest:
+    first, second = _sample(a, 2), _sample(b, 2)
+    if _is_constant(first) and _is_constant(second):  # no variance at all: the test has no answer, the eye has
+        same = first[0] == second[0]
+        statistic = 0.0 if same else math.copysign(math.inf, first[0] - second[0])
+        return TTest(statistic, float(first.size + second.size - 2), 1.0 if same else 0.0)
+    result = stats.ttest_ind(first, second, equal_var=equal_variances)
+    return TTest(float(result.statistic), float(result.df), float(result.pvalue))
+
+
+def _sample(values: ArrayLike, at_least: int) -> NDArray[np.float64]:
+    sample = np.asarray(values, dtype=np.float64).ravel()
+    if sample.size < at_least or not np.isfinite(sample).all():
+        raise ValueError(f"a sample needs at least {at_least} finite numbers, not {sample.tolist()}")
+    return sample
+
+
+def _is_constant(sample: NDArray[np.float64]) -> bool:
+    return bool((sample == sample[0]).all())
