@@ -30,7 +30,7 @@ RESULT = "result.json"
 Job = dict[str, Any]
 """A trial as JSON data.
 
-``condition``, ``trial``: for people. ``config``: `RunConfig.to_dict`. ``rules``: text of a decision list's JSON, or None.
+``condition``, ``trial``: for people. ``config``: `RunConfig.to_dict`. ``rules``: JSON text of a decision list, or None.
 ``demonstrations``: texts of a demonstration's table and header, or None. ``rounds``: list of ``{hour, rules}`` or
 ``{hour, watch, episodes}``. ``evaluation_episodes``: int.
 """
