@@ -29,44 +29,54 @@ def values(sense: np.ndarray) -> dict[str, Any]:
 
 
 def by_regular_expressions(text: str) -> dict[str, Any]:
-    """Read a sense_body message of version 11 or 12 in an independent, slow way."""
+    """Read a sense_body message of versions 7 to 19 in an independent, slow way."""
     pattern = (
-        r"\(sense_body (\d+) \(view_mode (high|low) (narrow|normal|wide)\)"
-        r" \(stamina N N\) \(speed N N\) \(head_angle N\)"
-        + "".join(rf" \({name} (\d+)\)" for name in _PRINTED)
-        + r" \(arm \(movable (\d+)\) \(expires (\d+)\) \(target N N\) \(count (\d+)\)\)"
-        r" \(focus \(target (none|[lr] \d+)\) \(count (\d+)\)\) \(tackle \(expires (\d+)\) \(count (\d+)\)\)"
-        r"(?: \(collision(| none)((?: \(\w+\))*)\))?\)"
+        r"\(sense_body (?P<time>\d+) \(view_mode (?P<quality>high|low) (?P<width>narrow|normal|wide)\)"
+        r" \(stamina N N(?: N)?\) \(speed N N\) \(head_angle N\)"
+        + "".join(rf" \({name} (?P<{name}>\d+)\)" for name in _PRINTED)
+        + r"(?: \(change_focus \d+\))?(?: \(arm \(movable (?P<movable>\d+)\) \(expires (?P<expires>\d+)\)"
+        r" \(target N N\) \(count (?P<arms>\d+)\)\)"
+        r" \(focus \(target (?P<target>none|[lr] \d+)\) \(count (?P<focus>\d+)\)\)"
+        r" \(tackle \(expires (?P<immobile>\d+)\) \(count (?P<tackles>\d+)\)\))?"
+        r"(?: \(collision(?P<collision>(?: none|(?: \(\w+\))*))\))?"
+        r"(?: \(foul \(charged \d+\) \(card \w+\)\))?(?: \(focus_point N N\))?\)"
     ).replace("N", NUMBER)
     match = re.fullmatch(pattern, text)
     assert match, text
-    g = match.groups()
-    counts = dict(zip(_PRINTED, map(int, g[8:16]), strict=True))
-    collided = {"(ball)": 1, "(player)": 2, "(post)": 4}
+    numbers = [
+        None if match[i] is None else float(match[i]) for i in range(1, match.re.groups + 1) if i in _plain(match)
+    ]
+    stamina, effort, capacity, speed, speed_direction, head_angle, distance, direction, *_ = numbers
+    target = match["target"] or "none"
+    collided = {"(ball)": 1, "(player)": 2, "(post)": 4, "none": 0}
     return {
-        "time": int(g[0]),
-        "quality": int(g[1] == "high"),
-        "width": ("narrow", "normal", "wide").index(g[2]),
-        "stamina": float(g[3]),
-        "effort": float(g[4]),
-        "capacity": -1.0,
-        "speed": float(g[5]),
-        "speed_direction": float(g[6]),
-        "head_angle": float(g[7]),
-        "counts": [counts[name] for name in records.COUNT_NAMES],
-        "arm_movable": int(g[16]),
-        "arm_expires": int(g[17]),
-        "arm_distance": float(g[18]),
-        "arm_direction": float(g[19]),
-        "arm_count": int(g[20]),
-        "focus_side": 0 if g[21] == "none" else " lr".index(g[21][0]),
-        "focus_unum": 0 if g[21] == "none" else int(g[21][2:]),
-        "focus_count": int(g[22]),
-        "tackle_expires": int(g[23]),
-        "tackle_count": int(g[24]),
-        "has_collision": int(g[25] is not None),
-        "collision": sum(collided[word] for word in (g[26] or "").split()),
+        "time": int(match["time"]),
+        "quality": int(match["quality"] == "high"),
+        "width": ("narrow", "normal", "wide").index(match["width"]),
+        "stamina": stamina,
+        "effort": effort,
+        "capacity": -1.0 if capacity is None else capacity,
+        "speed": speed,
+        "speed_direction": speed_direction,
+        "head_angle": head_angle,
+        "counts": [int(match[name]) for name in records.COUNT_NAMES],
+        "arm_movable": int(match["movable"] or 0),
+        "arm_expires": int(match["expires"] or 0),
+        "arm_distance": distance or 0.0,
+        "arm_direction": direction or 0.0,
+        "arm_count": int(match["arms"] or 0),
+        "focus_side": 0 if target == "none" else " lr".index(target[0]),
+        "focus_unum": 0 if target == "none" else int(target[2:]),
+        "focus_count": int(match["focus"] or 0),
+        "tackle_expires": int(match["immobile"] or 0),
+        "tackle_count": int(match["tackles"] or 0),
+        "has_collision": int(match["collision"] is not None),
+        "collision": sum(collided[word] for word in (match["collision"] or "").split()),
     }
+
+
+def _plain(match: re.Match[str]) -> set[int]:
+    return set(range(1, match.re.groups + 1)) - set(match.re.groupindex.values())
 
 
 _PRINTED = ("kick", "dash", "turn", "say", "turn_neck", "catch", "move", "change_view")
