@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined
 
 DEG = math.pi / 180.0
 """Radians of one degree (the server multiplies by this constant)."""
@@ -15,7 +15,7 @@ RAD = 180.0 / math.pi
 EPS = 1e-10
 
 
-@njit
+@inlined
 def normalize_radians(angle: float) -> float:
     """Bring radians into [-pi, pi]; both ends stay as they are (19.0.0, rcss/geom)."""
     if abs(angle) > 2.0 * math.pi:
@@ -27,7 +27,7 @@ def normalize_radians(angle: float) -> float:
     return angle
 
 
-@njit
+@inlined
 def normalize_degrees(angle: float) -> float:
     """Bring degrees into (-180, 180]."""
     while angle > 180.0:
@@ -37,7 +37,7 @@ def normalize_degrees(angle: float) -> float:
     return angle
 
 
-@njit
+@inlined
 def direction(x: float, y: float) -> float:
     """Direction of a vector in degrees; 0 for the zero vector."""
     if x == 0.0 and y == 0.0:

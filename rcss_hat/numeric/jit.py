@@ -20,6 +20,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba import config
+from numba.core.cpu import CPUTargetOptions
 
 PACKAGES = ("rcss_hat", "fake_server")
 _IMPORT = re.compile(
@@ -28,6 +29,9 @@ _IMPORT = re.compile(
     re.MULTILINE,
 )
 F = TypeVar("F", bound=Callable[..., Any])
+_BARE: dict[str, Any] = {"error_model": "numpy"}
+if hasattr(CPUTargetOptions, "_nrt"):  # numba keeps it undocumented; without it kernels are slower, not wrong
+    _BARE["_nrt"] = False
 
 
 @lru_cache(maxsize=1)
@@ -107,17 +111,35 @@ def fingerprint(module: str) -> str:
 
 
 def njit(function: F) -> F:
-    """Compile a kernel with numba, cached per state of the sources it depends on.
+    """Compile a function with numba, cached per state of the sources it depends on.
 
     With ``NUMBA_DISABLE_JIT=1`` the function is returned as it is.
     """
+    return _compile(function, {})
+
+
+def kernel(function: F) -> F:
+    """Compile a kernel of the hot path: :func:`njit` for functions that allocate no array and return none.
+
+    Such a function needs no reference counts of the arrays it works on, which would otherwise cost more than the
+    arithmetic (measured: a factor of 1.5 to 4). Division by zero gives infinity or NaN as in NumPy, without a check.
+    """
+    return _compile(function, _BARE)
+
+
+def inlined(function: F) -> F:
+    """Compile a :func:`kernel` into its callers: for short functions, and for parts of a long one."""
+    return _compile(function, {**_BARE, "forceinline": True})
+
+
+def _compile(function: F, options: dict[str, Any]) -> F:
     settings: Any = config
     module = function.__module__
     before = settings.CACHE_DIR
     if not before:
         settings.CACHE_DIR = str(cache_root() / f"{module}-{fingerprint(module)}")
     try:
-        compiled: Any = numba.njit(cache=True)(function)
+        compiled: Any = numba.njit(cache=True, **options)(function)
         return cast(F, compiled)
     finally:
         settings.CACHE_DIR = before

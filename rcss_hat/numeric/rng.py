@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 
 STREAM_WORDS = 4
 SERVER, PLAYER, POLICY, LEARNER, TEACHER = range(5)
@@ -38,7 +38,7 @@ def stream(seed: int, *key: int) -> NDArray[np.uint64]:
     return np.random.SeedSequence(seed, spawn_key=key).generate_state(STREAM_WORDS, np.uint64).astype(np.uint64)
 
 
-@njit
+@inlined
 def next_uint64(rng: NDArray[np.uint64]) -> np.uint64:
     """Draw 64 random bits and advance the stream."""
     s0, s1, s2, s3 = rng[0], rng[1], rng[2], rng[3]
@@ -55,7 +55,7 @@ def next_uint64(rng: NDArray[np.uint64]) -> np.uint64:
     return result
 
 
-@njit
+@inlined
 def uniform(rng: NDArray[np.uint64], low: float, high: float) -> float:
     """Draw from U[low, high); the middle, without a draw, when the interval is shorter than 1e-10 (as rcssserver)."""
     if high - low < 1e-10:
@@ -63,13 +63,13 @@ def uniform(rng: NDArray[np.uint64], low: float, high: float) -> float:
     return low + (high - low) * (np.float64(next_uint64(rng) >> np.uint64(11)) * _TO_UNIT)
 
 
-@njit
+@inlined
 def integer(rng: NDArray[np.uint64], n: int) -> int:
     """Draw uniformly from 0 .. n-1."""
     return int(math.floor(uniform(rng, 0.0, 1.0) * n))
 
 
-@njit
+@inlined
 def bernoulli(rng: NDArray[np.uint64], p: float) -> bool:
     """Draw true with probability p; certain cases (p <= 0, p >= 1) take no draw."""
     if p <= 0.0:
@@ -79,7 +79,7 @@ def bernoulli(rng: NDArray[np.uint64], p: float) -> bool:
     return uniform(rng, 0.0, 1.0) < p
 
 
-@njit
+@kernel
 def normal(rng: NDArray[np.uint64]) -> float:
     """Draw from the standard normal distribution (Box and Muller; two uniform draws)."""
     u = 1.0 - uniform(rng, 0.0, 1.0)

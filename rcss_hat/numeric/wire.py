@@ -11,10 +11,12 @@ import math
 
 import numpy as np
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
+
+_POWERS = np.array([1.0, 1e1, 1e2, 1e3, 1e4, 1e5])
 
 
-@njit
+@inlined
 def quantize(value: float, step: float) -> float:
     """Round to a multiple of ``step``, halves to even, -0 kept; unchanged when the step is below 1e-10 (19.0.0)."""
     if step < 1e-10:
@@ -22,11 +24,18 @@ def quantize(value: float, step: float) -> float:
     return float(np.rint(value / step)) * step
 
 
-@njit
+@kernel
 def six_digits(value: float) -> float:
     """Return the double that reading ``"%g" % value`` gives."""
     magnitude = abs(value)
-    if magnitude == 0.0 or not math.isfinite(value):
+    if magnitude < 1e6 and magnitude == math.floor(magnitude):
+        return value
+    if 1.0 <= magnitude < 1e6:
+        places = 0
+        while magnitude < _POWERS[5 - places]:
+            places += 1
+        return float(math.copysign(np.rint(magnitude * _POWERS[places]) / _POWERS[places], value))
+    if not math.isfinite(value):
         return value
     exponent = int(math.floor(math.log10(magnitude)))
     if magnitude >= 10.0 ** (exponent + 1):
