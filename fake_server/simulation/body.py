@@ -24,7 +24,7 @@ from fake_server.simulation.state import (
     C_TURN_NECK,
 )
 from rcss_hat.numeric.angles import RAD, normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.wire import six_digits
 from rcss_hat.protocol.records import N_COUNTS
 
@@ -32,7 +32,7 @@ _COUNTERS = np.array([C_KICK, C_DASH, C_TURN, C_SAY, C_TURN_NECK, C_CATCH, C_MOV
 """Counter of the match for each of the message's counts."""
 
 
-@njit
+@inlined
 def _sense_arm(match: NDArray[np.void], i: int, out: NDArray[np.void]) -> None:
     """Arm: target relative to the face, distance in 0.1 m, direction cut to whole degrees; 0 0 while it is down."""
     out["arm_movable"][0] = match["arm_movable"][0, i]
@@ -47,7 +47,7 @@ def _sense_arm(match: NDArray[np.void], i: int, out: NDArray[np.void]) -> None:
         out["arm_direction"][0] = float(int(np.rint(angle * RAD * 10.0) * 0.1))
 
 
-@njit
+@kernel
 def sense_body(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, out: NDArray[np.void]
 ) -> None:

@@ -16,12 +16,12 @@ from fake_server.simulation.pitch import in_penalty_area, move_out_of_penalty_ar
 from fake_server.simulation.placement import place_ball
 from fake_server.simulation.referee import change_play_mode, free_kick, other_side
 from fake_server.simulation.state import CATCH_FAULT_LEFT, CATCH_FAULT_RIGHT, E_CAUGHT, side_of
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.numeric.rng import bernoulli
 from rcss_hat.protocol.records import LEFT
 
 
-@njit
+@kernel
 def catch_probability(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, angle: float
 ) -> float:
@@ -44,7 +44,7 @@ def catch_probability(
     return float(min(max(certain - certain * (x - length + stretch) / (2.0 * stretch), 0.0), 1.0))
 
 
-@njit
+@kernel
 def _award(match: NDArray[np.void], params: NDArray[np.void], i: int, rng: NDArray[np.uint64]) -> None:
     """Give the free kick for a catch, or for a catch outside the penalty area to the other side."""
     side = side_of(i)
@@ -64,7 +64,7 @@ def _award(match: NDArray[np.void], params: NDArray[np.void], i: int, rng: NDArr
     change_play_mode(match, params, CATCH_FAULT_LEFT if side == LEFT else CATCH_FAULT_RIGHT, rng)
 
 
-@njit
+@kernel
 def try_catch(
     match: NDArray[np.void],
     params: NDArray[np.void],

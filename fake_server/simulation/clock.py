@@ -21,7 +21,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.protocol.records import LOW, NARROW, NORMAL
 
 TICK_MS = 10
@@ -30,7 +30,7 @@ STEP_DUE, THINK_DUE = 1, 2
 """Bits of what :func:`tick` returns."""
 
 
-@njit
+@inlined
 def see_interval(match: NDArray[np.void], i: int) -> int:
     """Visual ticks (with synch_see: steps) from one see of a player to the next."""
     width = match["width"][0, i]
@@ -40,7 +40,7 @@ def see_interval(match: NDArray[np.void], i: int) -> int:
     return interval // 2 if match["quality"][0, i] == LOW else interval
 
 
-@njit
+@inlined
 def view_angle(match: NDArray[np.void], params: NDArray[np.void], i: int) -> float:
     """Angle (degrees) of a player's view cone: visible_angle times 1/2, 1, 2; with synch_see 2/3, 4/3, 2."""
     width = match["width"][0, i]
@@ -50,12 +50,12 @@ def view_angle(match: NDArray[np.void], params: NDArray[np.void], i: int) -> flo
     return float(angle * (0.5 if width == NARROW else 1.0 if width == NORMAL else 2.0))
 
 
-@njit
+@inlined
 def _ceil_tick(ms: float) -> int:
     return int(math.ceil(ms / TICK_MS)) * TICK_MS
 
 
-@njit
+@kernel
 def period(params: NDArray[np.void]) -> int:
     """Time (ms) after which all repeats: the least common multiple of simulator_step and send_step."""
     a, b = int(params["simulator_step"][0]), int(params["send_step"][0])
@@ -65,7 +65,7 @@ def period(params: NDArray[np.void]) -> int:
     return product // a
 
 
-@njit
+@inlined
 def _count_sees(
     match: NDArray[np.void], params: NDArray[np.void], after_ms: int, to_ms: int, due_out: NDArray[np.uint8]
 ) -> None:
@@ -88,13 +88,13 @@ def _count_sees(
         see_ticks[i] = total
 
 
-@njit
+@inlined
 def think_offset(params: NDArray[np.void]) -> int:
     """Time (ms) from a step to the think of its cycle."""
     return _ceil_tick(params["synch_offset"][0]) % int(params["simulator_step"][0])
 
 
-@njit
+@kernel
 def sees_before_think(match: NDArray[np.void], params: NDArray[np.void], due_out: NDArray[np.uint8]) -> None:
     """Walk the clock from a step to the think of its cycle.
 
@@ -112,7 +112,7 @@ def sees_before_think(match: NDArray[np.void], params: NDArray[np.void], due_out
     match["clock"][0] = end
 
 
-@njit
+@kernel
 def sees_after_think(match: NDArray[np.void], params: NDArray[np.void], due_out: NDArray[np.uint8]) -> None:
     """Walk the clock from a think to the next step, whose own tick belongs to the next cycle.
 
@@ -124,7 +124,7 @@ def sees_after_think(match: NDArray[np.void], params: NDArray[np.void], due_out:
     match["clock"][0] = end % period(params)
 
 
-@njit
+@kernel
 def tick(match: NDArray[np.void], params: NDArray[np.void], due_out: NDArray[np.uint8]) -> int:
     """Walk one tick of 10 ms.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fake_server.simulation.state import F_BALL_COLLIDE, F_PLAYER_COLLIDE, N_PLAYERS, PLAY_ON
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import uniform
 from rcss_hat.protocol.records import COLLIDED_BALL, COLLIDED_PLAYER
 
@@ -25,7 +25,7 @@ _BALL = N_PLAYERS
 _X, _Y, _N, _EVER = range(4)
 
 
-@njit
+@inlined
 def _any_overlap(match: NDArray[np.void], ball_size: float) -> bool:
     """Tell whether any two objects overlap; the common case is that none do."""
     pos, size, players = match["pos"][0], match["size"][0], match["players"][0]
@@ -47,7 +47,7 @@ def _any_overlap(match: NDArray[np.void], ball_size: float) -> bool:
     return False
 
 
-@njit
+@inlined
 def _apart(
     ax: float, ay: float, bx: float, by: float, reach: float, rng: NDArray[np.uint64]
 ) -> tuple[float, float, float, float]:
@@ -69,7 +69,7 @@ def _apart(
     return mid_x + dx, mid_y + dy, mid_x - dx, mid_y - dy
 
 
-@njit
+@inlined
 def _propose(proposals: NDArray[np.float64], k: int, x: float, y: float) -> None:
     proposals[k, _X] += x
     proposals[k, _Y] += y
@@ -77,7 +77,7 @@ def _propose(proposals: NDArray[np.float64], k: int, x: float, y: float) -> None
     proposals[k, _EVER] = 1.0
 
 
-@njit
+@inlined
 def _ball_round(
     match: NDArray[np.void], ball_size: float, proposals: NDArray[np.float64], rng: NDArray[np.uint64]
 ) -> bool:
@@ -112,7 +112,7 @@ def _ball_round(
     return found
 
 
-@njit
+@inlined
 def _player_round(match: NDArray[np.void], proposals: NDArray[np.float64], rng: NDArray[np.uint64]) -> bool:
     """Let pairs of players that overlap propose new places."""
     pos, size, players = match["pos"][0], match["size"][0], match["players"][0]
@@ -136,7 +136,7 @@ def _player_round(match: NDArray[np.void], proposals: NDArray[np.float64], rng: 
     return found
 
 
-@njit
+@inlined
 def _take_average(place: NDArray[np.float64], proposal: NDArray[np.float64]) -> None:
     """Move an object to the average of its proposals and forget them."""
     if proposal[_N] > 0.0:
@@ -145,7 +145,7 @@ def _take_average(place: NDArray[np.float64], proposal: NDArray[np.float64]) -> 
         proposal[_X] = proposal[_Y] = proposal[_N] = 0.0
 
 
-@njit
+@kernel
 def resolve_collisions(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Move overlapping objects apart and turn their velocities round.
 
@@ -159,7 +159,8 @@ def resolve_collisions(match: NDArray[np.void], params: NDArray[np.void], rng: N
     ball_size = params["ball_size"][0]
     if not _any_overlap(match, ball_size):
         return
-    proposals = np.zeros((N_PLAYERS + 1, 4))
+    proposals = match["proposals"][0]
+    proposals[:] = 0.0
     for _ in range(_MAX_ROUNDS):
         found = _ball_round(match, ball_size, proposals, rng)
         found = _player_round(match, proposals, rng) or found

@@ -58,7 +58,7 @@ from fake_server.simulation.tackle import (
     tackle_failure,
 )
 from rcss_hat.numeric.angles import DEG, normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import bernoulli, uniform
 from rcss_hat.protocol.records import (
     CATCH,
@@ -79,7 +79,7 @@ BOTH_LEGS, LEFT_LEG, RIGHT_LEG = range(3)
 _MAX_FOCUS_DIST = 40.0
 
 
-@njit
+@inlined
 def _dash_leg(
     match: NDArray[np.void], params: NDArray[np.void], i: int, leg: int, power: float, direction: float
 ) -> bool:
@@ -97,7 +97,7 @@ def _dash_leg(
     return True
 
 
-@njit
+@inlined
 def dash(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -121,7 +121,7 @@ def dash(
     return left or right
 
 
-@njit
+@kernel
 def dash_legs(
     match: NDArray[np.void], params: NDArray[np.void], i: int, leg: int, power: float, direction: float
 ) -> bool:
@@ -138,14 +138,14 @@ def dash_legs(
     return accepted
 
 
-@njit
+@inlined
 def _occupy_legs(match: NDArray[np.void], i: int) -> None:
     for leg in range(2):
         if match["leg"][0, i, leg] == LEG_FREE:
             match["leg"][0, i, leg] = LEG_BUSY
 
 
-@njit
+@inlined
 def turn(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -172,7 +172,7 @@ def turn(
     return True
 
 
-@njit
+@inlined
 def kick(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -205,7 +205,7 @@ def kick(
     return True
 
 
-@njit
+@kernel
 def tackle(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -249,7 +249,7 @@ def tackle(
     return True
 
 
-@njit
+@kernel
 def catch_ball(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -281,7 +281,7 @@ def catch_ball(
     return True
 
 
-@njit
+@kernel
 def move(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -317,14 +317,14 @@ def move(
     return True
 
 
-@njit
+@kernel
 def too_many_moves(match: NDArray[np.void], params: NDArray[np.void], i: int) -> bool:
     """Tell whether a goalie may not move again with the ball he caught."""
     most = params["goalie_max_moves"][0]
     return bool(most >= 0.0 and match["moves_since_catch"][0, i] >= most)
 
 
-@njit
+@inlined
 def turn_neck(match: NDArray[np.void], params: NDArray[np.void], i: int, moment: float) -> bool:
     """Turn the neck by a moment (degrees); exact, and clamped to [minneckang, maxneckang] relative to the body."""
     if match["neck_done"][0, i]:
@@ -338,7 +338,7 @@ def turn_neck(match: NDArray[np.void], params: NDArray[np.void], i: int, moment:
     return True
 
 
-@njit
+@kernel
 def say(match: NDArray[np.void], params: NDArray[np.void], i: int, text: NDArray[np.uint8], n: int) -> bool:
     """Say the first n characters of a text; longer ones than ``say_msg_size``, at most SAY_SIZE, are dropped."""
     if n > SAY_SIZE or n > params["say_msg_size"][0]:
@@ -347,7 +347,7 @@ def say(match: NDArray[np.void], params: NDArray[np.void], i: int, text: NDArray
     return keep_message(match, params, i, text, n)
 
 
-@njit
+@kernel
 def change_view(match: NDArray[np.void], i: int, width: int, quality: int) -> bool:
     """Set width and quality of the view; no low quality with synch_see."""
     if width > WIDE or (match["synch_see"][0, i] and quality != HIGH):
@@ -358,7 +358,7 @@ def change_view(match: NDArray[np.void], i: int, width: int, quality: int) -> bo
     return True
 
 
-@njit
+@kernel
 def synch_see(match: NDArray[np.void], i: int) -> bool:
     """Let a player see in step with the simulation, for good (19)."""
     match["synch_see"][0, i] = 1
@@ -366,14 +366,14 @@ def synch_see(match: NDArray[np.void], i: int) -> bool:
     return True
 
 
-@njit
+@kernel
 def gaussian_see(match: NDArray[np.void], i: int) -> bool:
     """Let a player see distances with Gaussian noise instead of in steps, for good (19)."""
     match["gaussian_see"][0, i] = 1
     return True
 
 
-@njit
+@kernel
 def change_focus(match: NDArray[np.void], params: NDArray[np.void], i: int, dist: float, direction: float) -> bool:
     """Move the focus point by a distance (m) and a direction (degrees) (19; seen with by clients of version 18 on)."""
     half = 0.5 * view_angle(match, params, i) * DEG
@@ -383,7 +383,7 @@ def change_focus(match: NDArray[np.void], params: NDArray[np.void], i: int, dist
     return True
 
 
-@njit
+@kernel
 def point_to(match: NDArray[np.void], params: NDArray[np.void], i: int, distance: float, direction: float) -> bool:
     """Point at a place, distance (m) and direction (degrees) from the face, for ``point_to_duration`` cycles."""
     if match["arm_movable"][0, i] > 0:
@@ -397,7 +397,7 @@ def point_to(match: NDArray[np.void], params: NDArray[np.void], i: int, distance
     return True
 
 
-@njit
+@kernel
 def point_to_off(match: NDArray[np.void], params: NDArray[np.void], i: int) -> bool:
     """Take the arm down."""
     if match["arm_movable"][0, i] > 0:
@@ -409,7 +409,7 @@ def point_to_off(match: NDArray[np.void], params: NDArray[np.void], i: int) -> b
     return True
 
 
-@njit
+@kernel
 def attention_to(match: NDArray[np.void], i: int, side: int, unum: int) -> bool:
     """Attend to a player, connected or not, of a side that has a team; not to oneself."""
     if not 1 <= unum <= MAX_PLAYERS or (side == side_of(i) and unum == unum_of(i)):
@@ -420,7 +420,7 @@ def attention_to(match: NDArray[np.void], i: int, side: int, unum: int) -> bool:
     return True
 
 
-@njit
+@kernel
 def attention_off(match: NDArray[np.void], i: int) -> bool:
     """Attend to nobody in particular."""
     match["focus_side"][0, i] = NO_SIDE
@@ -429,7 +429,7 @@ def attention_off(match: NDArray[np.void], i: int) -> bool:
     return True
 
 
-@njit
+@kernel
 def act(
     match: NDArray[np.void],
     params: NDArray[np.void],

@@ -25,13 +25,13 @@ from fake_server.simulation.state import (
     PHYSICS,
     TIME_OVER,
 )
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 
 _LASTING_KICK = F_KICK | F_KICK_FAULT
 _LASTING_TACKLE = F_TACKLE | F_TACKLE_FAULT
 
 
-@njit
+@inlined
 def _free_commands(match: NDArray[np.void], i: int) -> None:
     """Let a player command again, and count down what lasts (19.0.0, src/player.cpp, resetCommandFlags; src/arm.h)."""
     if match["kick_cycles"][0, i] > 0:
@@ -49,7 +49,7 @@ def _free_commands(match: NDArray[np.void], i: int) -> None:
         match["arm_expires"][0, i] -= 1
 
 
-@njit
+@inlined
 def _publish_flags(match: NDArray[np.void], i: int) -> None:
     """Show the state flags of this step, and drop those that do not last (src/player.cpp, resetState)."""
     flags = match["flags_next"][0, i]
@@ -60,7 +60,7 @@ def _publish_flags(match: NDArray[np.void], i: int) -> None:
     match["flags_next"][0, i] = flags & lasting
 
 
-@njit
+@inlined
 def _move_all(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], rng: NDArray[np.uint64]
 ) -> None:
@@ -77,7 +77,7 @@ def _move_all(
         match["ball_pos"][0, 1] = match["pos"][0, catcher, 1] + reach * np.sin(body)
 
 
-@njit
+@kernel
 def step(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], streams: NDArray[np.uint64]
 ) -> None:

@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 from fake_server.simulation.state import C_DASH, LEG_DASH, side_of
 from rcss_hat.numeric.angles import DEG, normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined
 from rcss_hat.numeric.rng import uniform
 from rcss_hat.protocol.records import LEFT
 
 
-@njit
+@inlined
 def clamp(value: float, low: float, high: float) -> float:
     """Bring a value into [low, high]."""
     return min(max(value, low), high)
 
 
-@njit
+@inlined
 def direction_rate(params: NDArray[np.void], direction: float) -> float:
     """Share of the power that a dash in a direction (degrees from the body) is worth, in [0, 1].
 
@@ -41,7 +41,7 @@ def direction_rate(params: NDArray[np.void], direction: float) -> float:
     return clamp(rate, 0.0, 1.0)
 
 
-@njit
+@inlined
 def slowness(match: NDArray[np.void], params: NDArray[np.void], i: int) -> float:
     """Factor of the server's slow upper half of the pitch; 1 by default."""
     if match["pos"][0, i, 1] >= 0.0:
@@ -51,7 +51,7 @@ def slowness(match: NDArray[np.void], params: NDArray[np.void], i: int) -> float
     return float(params["slowness_on_top_for_right_team"][0])
 
 
-@njit
+@inlined
 def _leg_acceleration(
     match: NDArray[np.void], params: NDArray[np.void], rate: float, i: int, leg: int, consumed: float
 ) -> tuple[float, float]:
@@ -66,13 +66,13 @@ def _leg_acceleration(
     return size * math.cos(angle), size * math.sin(angle)
 
 
-@njit
+@inlined
 def _consumption(power: float) -> float:
     """Stamina that one leg's dash needs: half the power, four times as much backwards."""
     return -power if power < 0.0 else 0.5 * power
 
 
-@njit
+@inlined
 def apply_dash(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, rng: NDArray[np.uint64]
 ) -> None:
@@ -107,7 +107,7 @@ def apply_dash(
     match["stamina"][0, i] = max(0.0, match["stamina"][0, i] - consumed)
 
 
-@njit
+@inlined
 def _turn_by_legs(
     match: NDArray[np.void], params: NDArray[np.void], i: int, x: float, y: float, rng: NDArray[np.uint64]
 ) -> None:
@@ -118,7 +118,7 @@ def _turn_by_legs(
     match["body_pending"][0, i] = normalize_radians(body + (1.0 + uniform(rng, -rand, rand)) * omega)
 
 
-@njit
+@inlined
 def dash_at_once(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, power: float
 ) -> None:

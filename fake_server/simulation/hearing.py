@@ -23,7 +23,7 @@ from fake_server.simulation.state import (
     unum_of,
 )
 from rcss_hat.numeric.angles import RAD, normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import integer
 from rcss_hat.protocol.records import NO_SIDE
 
@@ -31,7 +31,7 @@ HEAR_SELF, HEAR_FULL, HEAR_PART = range(3)
 """How a message is delivered."""
 
 
-@njit
+@inlined
 def keep_message(match: NDArray[np.void], params: NDArray[np.void], i: int, text: NDArray[np.uint8], n: int) -> bool:
     """Keep what a player says for everybody who is near enough, ``audio_cut_dist`` (m), and has open ears."""
     at = match["n_said"][0]
@@ -56,7 +56,7 @@ def keep_message(match: NDArray[np.void], params: NDArray[np.void], i: int, text
     return True
 
 
-@njit
+@inlined
 def pass_on_messages(match: NDArray[np.void]) -> None:
     """Make the messages said since the last step those to be heard in the new cycle."""
     n = match["n_said"][0]
@@ -70,14 +70,14 @@ def pass_on_messages(match: NDArray[np.void]) -> None:
             match["heard"][0, m, k] = match["said"][0, m, k]
 
 
-@njit
+@inlined
 def _focus(match: NDArray[np.void], i: int) -> int:
     """Index of the player a listener attends to, -1: nobody."""
     side = match["focus_side"][0, i]
     return -1 if side == NO_SIDE else index(side, match["focus_unum"][0, i])
 
 
-@njit
+@inlined
 def _next_message(match: NDArray[np.void], waiting: int, n_waiting: int, focus: int, rng: NDArray[np.uint64]) -> int:
     """Draw the message that a listener hears next among those waiting (bits)."""
     of_focus = 0
@@ -98,7 +98,7 @@ def _next_message(match: NDArray[np.void], waiting: int, n_waiting: int, focus: 
     return -1
 
 
-@njit
+@inlined
 def _hear(match: NDArray[np.void], params: NDArray[np.void], i: int, speaker: int) -> int:
     """How a listener hears a message now: HEAR_FULL (which costs capacity), HEAR_PART, or -1, not at all."""
     same = side_of(i) == side_of(speaker)
@@ -116,7 +116,7 @@ def _hear(match: NDArray[np.void], params: NDArray[np.void], i: int, speaker: in
     return HEAR_FULL
 
 
-@njit
+@kernel
 def deliver(
     match: NDArray[np.void],
     params: NDArray[np.void],
@@ -166,7 +166,7 @@ def deliver(
     return n
 
 
-@njit
+@inlined
 def voice_direction(match: NDArray[np.void], i: int, speaker: int) -> int:
     """Direction (whole degrees, cut towards 0) of a speaker, relative to the listener's body."""
     dx = match["pos"][0, speaker, 0] - match["pos"][0, i, 0]
@@ -175,7 +175,7 @@ def voice_direction(match: NDArray[np.void], i: int, speaker: int) -> int:
     return int(normalize_radians(where - match["body"][0, i]) * RAD)
 
 
-@njit
+@kernel
 def hear_teammate(
     match: NDArray[np.void],
     params: NDArray[np.void],

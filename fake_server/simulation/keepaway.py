@@ -22,7 +22,7 @@ from fake_server.simulation.state import (
     PLAY_ON,
     side_of,
 )
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import integer, uniform
 from rcss_hat.protocol.records import LEFT, empty
 
@@ -34,7 +34,7 @@ _BALL_OFFSET = 4.0
 _MIDDLE = 1.0
 
 
-@njit
+@inlined
 def reset_field(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Place ball and players for a new episode.
 
@@ -66,7 +66,7 @@ def reset_field(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[
     match["taken"][0] = 0
 
 
-@njit
+@kernel
 def _first_episode(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Count the teams, once and for all, and start episode 1."""
     match["episode"][0] = 1
@@ -78,7 +78,7 @@ def _first_episode(match: NDArray[np.void], params: NDArray[np.void], rng: NDArr
     reset_field(match, params, rng)
 
 
-@njit
+@kernel
 def _fix_see_phases(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Start the see schedule afresh: the clock at its first cycle, every player at a random tick of his interval.
 
@@ -90,7 +90,7 @@ def _fix_see_phases(match: NDArray[np.void], params: NDArray[np.void], rng: NDAr
         match["see_ticks"][0, i] = integer(rng, see_interval(match, i))
 
 
-@njit
+@kernel
 def kick_off(match: NDArray[np.void], params: NDArray[np.void], streams: NDArray[np.uint64]) -> None:
     """Start the play: play_on in Keepaway, the kick-off of the next half otherwise.
 
@@ -119,7 +119,7 @@ def kick_off(match: NDArray[np.void], params: NDArray[np.void], streams: NDArray
     change_play_mode(match, params, KICK_OFF_LEFT if match["half_count"][0] % 2 == 0 else KICK_OFF_RIGHT, rng)
 
 
-@njit
+@inlined
 def _possession(match: NDArray[np.void], params: NDArray[np.void]) -> int:
     """Who is in kicking range of a type 0 player: 1 a taker (perhaps a keeper too), -1 keepers only, 0 nobody."""
     reach = params["player_size"][0] + params["ball_size"][0] + params["kickable_margin"][0]
@@ -136,7 +136,7 @@ def _possession(match: NDArray[np.void], params: NDArray[np.void]) -> int:
     return found
 
 
-@njit
+@inlined
 def _end_episode(match: NDArray[np.void], params: NDArray[np.void], taken: bool, rng: NDArray[np.uint64]) -> None:
     match["events"][0] |= E_EPISODE_TAKEN if taken else E_EPISODE_OUT
     match["last_start"][0] = match["episode_start"][0]
@@ -147,7 +147,7 @@ def _end_episode(match: NDArray[np.void], params: NDArray[np.void], taken: bool,
     reset_field(match, params, rng)
 
 
-@njit
+@inlined
 def analyse_keepaway(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """End the episode when the ball is out or taken, else count who has it; once per step, in play_on.
 

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from fake_server.simulation.noise import polar_noise, square_noise
 from rcss_hat.numeric.angles import normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined
 
 
-@njit
+@inlined
 def ball_kickable(match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int) -> bool:
     """Tell whether a player reaches the ball: distance <= player_size + ball_size + kickable_margin."""
     dx = match["ball_pos"][0, 0] - match["pos"][0, i, 0]
@@ -25,14 +25,14 @@ def ball_kickable(match: NDArray[np.void], params: NDArray[np.void], types: NDAr
     return bool(dx * dx + dy * dy <= reach * reach)
 
 
-@njit
+@inlined
 def ball_speed_rate(match: NDArray[np.void], params: NDArray[np.void]) -> float:
     """Part of the kick noise that grows with the ball's speed: 0.5 + 0.5 |v| / (ball_speed_max ball_decay)."""
     vx, vy = match["ball_vel"][0, 0], match["ball_vel"][0, 1]
     return float(0.5 + 0.5 * (math.sqrt(vx * vx + vy * vy) / (params["ball_speed_max"][0] * params["ball_decay"][0])))
 
 
-@njit
+@inlined
 def kick_acceleration(
     match: NDArray[np.void],
     params: NDArray[np.void],

@@ -22,11 +22,11 @@ from fake_server.simulation.dash import slowness
 from fake_server.simulation.noise import polar_noise, square_noise
 from fake_server.simulation.posts import move_past_posts, near_posts
 from fake_server.simulation.state import F_POST_COLLIDE
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined
 from rcss_hat.protocol.records import COLLIDED_POST
 
 
-@njit
+@inlined
 def accelerate(vx: float, vy: float, ax: float, ay: float, accel_max: float, speed_max: float) -> tuple[float, float]:
     """Add an acceleration to a velocity, both cut to their maximum."""
     if ax == 0.0 and ay == 0.0:
@@ -44,7 +44,7 @@ def accelerate(vx: float, vy: float, ax: float, ay: float, accel_max: float, spe
     return vx, vy
 
 
-@njit
+@inlined
 def motion_noise(
     params: NDArray[np.void], vx: float, vy: float, rand: float, rng: NDArray[np.uint64]
 ) -> tuple[float, float]:
@@ -57,7 +57,7 @@ def motion_noise(
     return polar_noise(rng, limit)
 
 
-@njit
+@inlined
 def move_ball(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Advance the ball by one step."""
     pos, vel, acc = match["ball_pos"][0], match["ball_vel"][0], match["ball_acc"][0]
@@ -75,7 +75,7 @@ def move_ball(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np
     acc[0], acc[1] = 0.0, 0.0
 
 
-@njit
+@inlined
 def move_player(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, rng: NDArray[np.uint64]
 ) -> None:
@@ -108,14 +108,14 @@ def move_player(
     acc[0], acc[1] = 0.0, 0.0
 
 
-@njit
+@inlined
 def commit_angles(match: NDArray[np.void], i: int) -> None:
     """Make the angles that turn and turn_neck asked for those of body and neck."""
     match["body"][0, i] = match["body_pending"][0, i]
     match["neck"][0, i] = match["neck_pending"][0, i]
 
 
-@njit
+@inlined
 def stand_still(match: NDArray[np.void], i: int) -> None:
     """Let a player only turn: the step of before_kick_off."""
     commit_angles(match, i)

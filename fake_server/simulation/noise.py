@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined
 from rcss_hat.numeric.rng import uniform
 
 
-@njit
+@inlined
 def polar_noise(rng: NDArray[np.uint64], limit: float) -> tuple[float, float]:
     """Draw polar(U(0, limit), U(-pi, pi)), the noise of 12.0.0 and later; limit may be negative.
 
@@ -24,7 +24,7 @@ def polar_noise(rng: NDArray[np.uint64], limit: float) -> tuple[float, float]:
     return r * math.cos(angle), r * math.sin(angle)
 
 
-@njit
+@inlined
 def square_noise(rng: NDArray[np.uint64], limit: float) -> tuple[float, float]:
     """Draw (U(-limit, limit), U(-limit, limit)), the noise of 11.1."""
     if abs(limit) < 1e-10:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import RAD, normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.wire import six_digits
 
 FAR, TOO_FAR = 20.0, 40.0
@@ -30,27 +30,27 @@ _TO_UNIT = 2.0**-53
 _SIX_DIGITS = 1e6
 
 
-@njit
+@inlined
 def relative_direction(dx: float, dy: float, body: float, neck: float) -> float:
     """Direction (radians) of a vector relative to the face."""
     where = 0.0 if dx == 0.0 and dy == 0.0 else math.atan2(dy, dx)
     return float(normalize_radians(normalize_radians(where - body) - neck))
 
 
-@njit
+@inlined
 def whole_degrees(angle: float) -> float:
     """Whole degrees of an angle in radians, halves to even; never -0."""
     return float(np.rint(angle * RAD) + 0.0)
 
 
-@njit
+@inlined
 def quantized_tenths(dist: float, step: float) -> float:
     """Reported distance in tenths of a metre, a whole number."""
     near = math.exp(np.rint(math.log(dist + _EPS) / step) * step) if step >= _EPS else dist
     return float(np.rint(near / 0.1))
 
 
-@njit
+@kernel
 def focused_tenths(dist: float, focus_dist: float, step: float) -> float:
     """Reported distance in tenths when the focus point is not the player (version 18): the mean of both errors."""
     if step < _EPS:
@@ -60,7 +60,7 @@ def focused_tenths(dist: float, focus_dist: float, step: float) -> float:
     return float(np.rint(max(0.0, dist - ((focus_dist - focus_near) + (dist - near)) / 2.0) / 0.1))
 
 
-@njit
+@inlined
 def distance_change(tenths: float, dx: float, dy: float, dist: float, dvx: float, dvy: float) -> float:
     """Change of distance (m/cycle) with the reported distance in tenths."""
     if dist == 0.0:
@@ -72,7 +72,7 @@ def distance_change(tenths: float, dx: float, dy: float, dist: float, dvx: float
     return float(six_digits(change * 0.001))
 
 
-@njit
+@kernel
 def gaussian_distance_change(noisy: float, dx: float, dy: float, dist: float, dvx: float, dvy: float) -> float:
     """Change of distance (m/cycle) with a distance that has Gaussian noise (19)."""
     if dist == 0.0:
@@ -81,7 +81,7 @@ def gaussian_distance_change(noisy: float, dx: float, dy: float, dist: float, dv
     return float(np.rint(radial * (noisy / dist) / 0.01) / 100.0)
 
 
-@njit
+@inlined
 def direction_change(dx: float, dy: float, dist: float, dvx: float, dvy: float) -> float:
     """Change of direction (degrees/cycle)."""
     if dist == 0.0:
@@ -95,13 +95,13 @@ def direction_change(dx: float, dy: float, dist: float, dvx: float, dvy: float) 
     return float(six_digits(tenths * 0.1))
 
 
-@njit
+@inlined
 def lost_with(dist: float, far: float, too_far: float) -> float:
     """Probability that a detail is lost at a reported distance (m); may lie outside [0, 1]."""
     return (dist - far) / (too_far - far)
 
 
-@njit
+@inlined
 def landmark_uniform(key: np.uint64, k: int) -> float:
     """Number from U[0, 1) that hangs on a random key and a counter alone (the mixing function of splitmix64).
 
@@ -114,7 +114,7 @@ def landmark_uniform(key: np.uint64, k: int) -> float:
     return float(np.float64(z >> np.uint64(11)) * _TO_UNIT)
 
 
-@njit
+@inlined
 def put_object(
     out: NDArray[np.void],
     n: int,

@@ -39,7 +39,7 @@ from fake_server.simulation.state import (
     recover,
     side_of,
 )
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import uniform
 from rcss_hat.protocol.records import LEFT, NO_SIDE, RIGHT
 
@@ -47,7 +47,7 @@ _CLEAR_ROUNDS = 10
 _CLEAR_EXTRA = 1e-5
 
 
-@njit
+@inlined
 def place_ball(match: NDArray[np.void], x: float, y: float, vx: float, vy: float) -> None:
     """Put the ball somewhere (m) with a velocity (m/cycle)."""
     match["ball_pos"][0, 0], match["ball_pos"][0, 1] = x, y
@@ -55,7 +55,7 @@ def place_ball(match: NDArray[np.void], x: float, y: float, vx: float, vy: float
     match["ball_acc"][0, 0], match["ball_acc"][0, 1] = 0.0, 0.0
 
 
-@njit
+@inlined
 def place_player(match: NDArray[np.void], i: int, x: float, y: float) -> None:
     """Put a player somewhere (m), at rest; his angles stay."""
     match["pos"][0, i, 0], match["pos"][0, i, 1] = x, y
@@ -64,7 +64,7 @@ def place_player(match: NDArray[np.void], i: int, x: float, y: float) -> None:
         match["acc"][0, i, axis] = 0.0
 
 
-@njit
+@kernel
 def move_player_to(
     match: NDArray[np.void], params: NDArray[np.void], i: int, x: float, y: float, rng: NDArray[np.uint64]
 ) -> None:
@@ -76,14 +76,14 @@ def move_player_to(
     resolve_collisions(match, params, rng)
 
 
-@njit
+@inlined
 def recover_all(match: NDArray[np.void], params: NDArray[np.void]) -> None:
     """Restore the stamina and hearing of all enabled players."""
     for k in range(match["n_players"][0]):
         recover(match, params, match["players"][0, k])
 
 
-@njit
+@inlined
 def keep_in_world(match: NDArray[np.void]) -> None:
     """Bring players who left the pitch and its margin back to its edge; their velocity stays."""
     pos = match["pos"][0]
@@ -93,7 +93,7 @@ def keep_in_world(match: NDArray[np.void]) -> None:
             pos[i, 0], pos[i, 1] = nearest_in_world(pos[i, 0], pos[i, 1])
 
 
-@njit
+@kernel
 def place_in_own_half(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Send players beyond the half line back, and those of the other side out of the centre circle."""
     at_kick_off = params["forbid_kick_off_offside"][0] > 0.0 and (
@@ -117,7 +117,7 @@ def place_in_own_half(match: NDArray[np.void], params: NDArray[np.void], rng: ND
                 pos[i, 0], pos[i, 1] = out_of_circle(pos[i, 0], pos[i, 1], 0.0, 0.0, radius)
 
 
-@njit
+@kernel
 def _clear_distance(mode: int, ball_x: float, ball_y: float, ball_size: float) -> float:
     """Distance (m) that players keep from the ball in a play mode."""
     if mode in (ILLEGAL_DEFENSE_LEFT, ILLEGAL_DEFENSE_RIGHT, BACK_PASS_LEFT, BACK_PASS_RIGHT):
@@ -129,7 +129,7 @@ def _clear_distance(mode: int, ball_x: float, ball_y: float, ball_size: float) -
     return CLEAR_DISTANCE
 
 
-@njit
+@kernel
 def _is_indirect(mode: int) -> bool:
     """Tell whether defenders may stand on the goal line in a play mode."""
     if mode in (BACK_PASS_LEFT, BACK_PASS_RIGHT, INDIRECT_FREE_KICK_LEFT, INDIRECT_FREE_KICK_RIGHT):
@@ -137,7 +137,7 @@ def _is_indirect(mode: int) -> bool:
     return FOUL_CHARGE_LEFT <= mode <= FOUL_PUSH_RIGHT
 
 
-@njit
+@kernel
 def _along_border(
     x: float, y: float, ball_x: float, ball_y: float, border: float, radius: float
 ) -> tuple[float, float]:
@@ -147,7 +147,7 @@ def _along_border(
     return math.copysign(border, x), ball_y - away if y < ball_y else ball_y + away
 
 
-@njit
+@kernel
 def _cleared(
     x: float, y: float, ball_x: float, ball_y: float, radius: float, at_corner: bool, indirect: bool
 ) -> tuple[float, float]:
@@ -168,7 +168,7 @@ def _cleared(
     return x, y
 
 
-@njit
+@kernel
 def clear_players_from_ball(
     match: NDArray[np.void], params: NDArray[np.void], side: int, rng: NDArray[np.uint64]
 ) -> None:

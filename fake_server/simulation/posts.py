@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import uniform
 from rcss_hat.protocol.landmarks import PITCH_LENGTH
 
@@ -22,14 +22,14 @@ _EPS = 1e-10
 _MAX_BOUNCES = 20
 
 
-@njit
+@inlined
 def post_center(goal_width: float, x: float, y: float) -> tuple[float, float]:
     """Centre of the goal post nearest to a point."""
     post_y = 0.5 * goal_width + POST_RADIUS
     return (_POST_X if x > 0.0 else -_POST_X), (post_y if y > 0.0 else -post_y)
 
 
-@njit
+@inlined
 def near_posts(goal_width: float, x: float, y: float, dx: float, dy: float, size: float) -> bool:
     """Tell whether a move by (dx, dy) could touch a post."""
     reach = POST_RADIUS + size + math.sqrt(dx * dx + dy * dy)
@@ -38,7 +38,7 @@ def near_posts(goal_width: float, x: float, y: float, dx: float, dy: float, size
     return abs(abs(y) - 0.5 * goal_width - POST_RADIUS) <= reach
 
 
-@njit
+@inlined
 def _reflected(dx: float, dy: float, nx: float, ny: float) -> tuple[float, float]:
     """Mirror a vector at the plane with a normal of any length."""
     norm = nx * nx + ny * ny
@@ -48,7 +48,7 @@ def _reflected(dx: float, dy: float, nx: float, ny: float) -> tuple[float, float
     return dx - along * nx, dy - along * ny
 
 
-@njit
+@inlined
 def _share_until(x: float, y: float, dx: float, dy: float, cx: float, cy: float, radius: float) -> float:
     """Share of a move after which it enters a circle from outside; 2 when it does not."""
     px, py = x - cx, y - cy
@@ -64,7 +64,7 @@ def _share_until(x: float, y: float, dx: float, dy: float, cx: float, cy: float,
     return share if 0.0 <= share <= 1.0 else 2.0
 
 
-@njit
+@kernel
 def move_past_posts(
     goal_width: float, x: float, y: float, vx: float, vy: float, size: float, rng: NDArray[np.uint64]
 ) -> tuple[float, float, float, float, bool]:

@@ -65,7 +65,7 @@ from fake_server.simulation.state import (
     TIME_OVER,
     side_of,
 )
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.protocol.records import LEFT, NO_SIDE, RIGHT
 
 _WAIT = 30
@@ -105,13 +105,13 @@ SET_PLAY_OF = _table(NO_SIDE, _KICK_OF)
 """Side that has the kick in a set play, NO_SIDE in other modes."""
 
 
-@njit
+@inlined
 def kick_forbidden(mode: int) -> bool:
     """Tell whether kicks do not count in a play mode."""
     return mode in (BEFORE_KICK_OFF, TIME_OVER) or STOPPED[mode] != 0
 
 
-@njit
+@inlined
 def other_side(side: int) -> int:
     """The side against a side; NO_SIDE for NO_SIDE."""
     if side == NO_SIDE:
@@ -119,7 +119,7 @@ def other_side(side: int) -> int:
     return RIGHT if side == LEFT else LEFT
 
 
-@njit
+@kernel
 def change_play_mode(match: NDArray[np.void], params: NDArray[np.void], mode: int, rng: NDArray[np.uint64]) -> None:
     """Change the play mode, with what the referee does at such a change: give players room, name the kicking side.
 
@@ -142,7 +142,7 @@ def change_play_mode(match: NDArray[np.void], params: NDArray[np.void], mode: in
         match["events"][0] |= E_PLAY_ON
 
 
-@njit
+@kernel
 def free_kick(
     match: NDArray[np.void], params: NDArray[np.void], side: int, x: float, y: float, rng: NDArray[np.uint64]
 ) -> None:
@@ -154,7 +154,7 @@ def free_kick(
     keep_in_world(match)
 
 
-@njit
+@kernel
 def drop_ball(match: NDArray[np.void], params: NDArray[np.void], x: float, y: float, rng: NDArray[np.uint64]) -> None:
     """Drop the ball at a point: everybody 9.15 m away from it, the mode drop_ball and at once play_on."""
     match["catcher"][0] = -1
@@ -166,14 +166,14 @@ def drop_ball(match: NDArray[np.void], params: NDArray[np.void], x: float, y: fl
     change_play_mode(match, params, PLAY_ON, rng)
 
 
-@njit
+@kernel
 def _award_drop_ball(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     x, y = truncate_to_pitch(match["ball_pos"][0, 0], match["ball_pos"][0, 1])
     x, y = move_out_of_penalty_area(NO_SIDE, x, y)
     drop_ball(match, params, x, y, rng)
 
 
-@njit
+@inlined
 def _watch_stuck_ball(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Drop the ball when it has stayed within ball_stuck_area (m) of a place for drop_ball_time steps."""
     area = params["ball_stuck_area"][0]
@@ -194,7 +194,7 @@ def _watch_stuck_ball(match: NDArray[np.void], params: NDArray[np.void], rng: ND
     match["stuck_cycles"][0] = 0
 
 
-@njit
+@kernel
 def _has_team(match: NDArray[np.void], side: int) -> bool:
     n = 0
     for k in range(match["n_players"][0]):
@@ -202,7 +202,7 @@ def _has_team(match: NDArray[np.void], side: int) -> bool:
     return n > 0
 
 
-@njit
+@kernel
 def _end_half(match: NDArray[np.void], params: NDArray[np.void], event: int, rng: NDArray[np.uint64]) -> None:
     """Stop for the next half: ball in the centre, before_kick_off, players in their halves."""
     match["half_count"][0] += 1
@@ -223,13 +223,13 @@ def _end_half(match: NDArray[np.void], params: NDArray[np.void], event: int, rng
     place_in_own_half(match, params, rng)
 
 
-@njit
+@kernel
 def _finish(match: NDArray[np.void], params: NDArray[np.void], event: int, rng: NDArray[np.uint64]) -> None:
     match["events"][0] |= event
     change_play_mode(match, params, TIME_OVER, rng)
 
 
-@njit
+@inlined
 def _watch_time(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Call half times and the end; nothing when half_time is not above 0, as in Keepaway.
 
@@ -258,7 +258,7 @@ def _watch_time(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[
         _end_half(match, params, E_HALF_TIME, rng)
 
 
-@njit
+@kernel
 def _run_stoppage(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Count a stoppage down and give the free kick, or the kick-off after a goal."""
     mode = match["mode"][0]
@@ -283,7 +283,7 @@ def _run_stoppage(match: NDArray[np.void], params: NDArray[np.void], rng: NDArra
     change_play_mode(match, params, restart, rng)
 
 
-@njit
+@kernel
 def _run_set_play(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Play on once the ball moves (after a goal kick: leaves the penalty area); drop it when nobody kicks."""
     mode = match["mode"][0]
@@ -303,7 +303,7 @@ def _run_set_play(match: NDArray[np.void], params: NDArray[np.void], rng: NDArra
         _award_drop_ball(match, params, rng)
 
 
-@njit
+@inlined
 def analyse(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Let all referees but that of Keepaway look at the match, in the server's order, at the end of a step's motion.
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined
 
 
-@njit
+@inlined
 def update_stamina(match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int) -> None:
     """Lower recovery and effort of the tired, raise effort of the rested, then refill stamina.
 
@@ -47,7 +47,7 @@ def update_stamina(match: NDArray[np.void], params: NDArray[np.void], types: NDA
     match["stamina"][0, i] = min(stamina + inc, top)
 
 
-@njit
+@inlined
 def update_hearing(match: NDArray[np.void], params: NDArray[np.void], i: int) -> None:
     """Refill the hearing capacities, and let a goalie's catch ban run off."""
     inc, most = params["hear_inc"][0], params["hear_max"][0]

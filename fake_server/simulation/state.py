@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric import rng
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.protocol.records import HIGH, LEFT, MAX_PLAYERS, NORMAL, RIGHT, SAY_SIZE
 
 N_PLAYERS = 2 * MAX_PLAYERS
@@ -152,6 +152,8 @@ MATCH = np.dtype(
         ("last_start", "i4"),  # of the episode that ended last
         ("last_end", "i4"),
         ("last_taken", "u1"),
+        # places that colliding objects propose in a step: x, y, how many, whether any; the ball is last
+        ("proposals", "f8", (N_PLAYERS + 1, 4)),
         # clock
         ("clock", "i4"),  # virtual ms since the last step-boundary that is a multiple of all steps
     ]
@@ -164,19 +166,19 @@ EPISODE = np.dtype([("episode", "i4"), ("start", "i4"), ("end", "i4"), ("taken",
 BENCH_Y = -37.0
 
 
-@njit
+@inlined
 def index(side: int, unum: int) -> int:
     """Index of a player: side ``records.LEFT`` or ``RIGHT``, uniform number 1 .. 11."""
     return (0 if side == LEFT else MAX_PLAYERS) + unum - 1
 
 
-@njit
+@inlined
 def side_of(i: int) -> int:
     """Side of the player with an index, ``records.LEFT`` or ``RIGHT``."""
     return LEFT if i < MAX_PLAYERS else RIGHT
 
 
-@njit
+@inlined
 def unum_of(i: int) -> int:
     """Uniform number of the player with an index."""
     return i + 1 if i < MAX_PLAYERS else i + 1 - MAX_PLAYERS
@@ -187,7 +189,7 @@ def streams(seed: int) -> NDArray[np.uint64]:
     return np.stack([rng.stream(seed, rng.SERVER, which) for which in range(3)])
 
 
-@njit
+@inlined
 def to_bench(match: NDArray[np.void], i: int) -> None:
     """Put a player on his place at the bench, at rest (19.0.0, src/player.cpp, disable)."""
     away = -3.0 * unum_of(i)
@@ -198,7 +200,7 @@ def to_bench(match: NDArray[np.void], i: int) -> None:
         match["acc"][0, i, axis] = 0.0
 
 
-@njit
+@inlined
 def recover(match: NDArray[np.void], params: NDArray[np.void], i: int) -> None:
     """Restore stamina, effort, recovery, stamina capacity and hearing (19.0.0, src/player.cpp, recoverAll)."""
     match["stamina"][0, i] = params["stamina_max"][0]
@@ -209,7 +211,7 @@ def recover(match: NDArray[np.void], params: NDArray[np.void], i: int) -> None:
     match["hear_other"][0, i] = params["hear_max"][0]
 
 
-@njit
+@kernel
 def list_players(match: NDArray[np.void]) -> None:
     """Write the list of enabled players, over which all kernels loop."""
     n = 0
@@ -246,7 +248,7 @@ def new_match(params: NDArray[np.void]) -> NDArray[np.void]:
     return match
 
 
-@njit
+@kernel
 def connect(match: NDArray[np.void], params: NDArray[np.void], i: int, version: int, goalie: bool) -> None:
     """Enable a player who has connected or reconnected (19.0.0, src/player.cpp, init).
 
@@ -276,7 +278,7 @@ def connect(match: NDArray[np.void], params: NDArray[np.void], i: int, version: 
     list_players(match)
 
 
-@njit
+@kernel
 def disconnect(match: NDArray[np.void], i: int) -> None:
     """Disable a player who has gone; he moves to the bench and keeps his uniform number (19.0.0, src/player.cpp)."""
     if match["catcher"][0] == i:

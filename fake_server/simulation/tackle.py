@@ -15,13 +15,13 @@ from fake_server.simulation.kick import ball_kickable, ball_speed_rate
 from fake_server.simulation.noise import polar_noise, square_noise
 from fake_server.simulation.state import side_of
 from rcss_hat.numeric.angles import DEG
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 CANNOT_FAIL_LESS = 2.0
 """Failure of a tackle whose area is empty on the ball's side (tackle distance 0)."""
 
 
-@njit
+@kernel
 def ball_in_body_frame(match: NDArray[np.void], i: int) -> tuple[float, float]:
     """Position (m) of the ball seen from a player's body: x forward, y to the right."""
     dx = match["ball_pos"][0, 0] - match["pos"][0, i, 0]
@@ -30,7 +30,7 @@ def ball_in_body_frame(match: NDArray[np.void], i: int) -> tuple[float, float]:
     return dx * c - dy * s, dx * s + dy * c
 
 
-@njit
+@kernel
 def tackle_failure(params: NDArray[np.void], x: float, y: float, exponent: float) -> float:
     """Failure (|x|/tackle_dist)^e + (|y|/tackle_width)^e of a tackle; from 1 on it never succeeds."""
     reach = params["tackle_dist"][0] if x > 0.0 else params["tackle_back_dist"][0]
@@ -39,7 +39,7 @@ def tackle_failure(params: NDArray[np.void], x: float, y: float, exponent: float
     return float((abs(x) / reach) ** exponent + (abs(y) / params["tackle_width"][0]) ** exponent)
 
 
-@njit
+@kernel
 def opponent_at_ball(match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int) -> bool:
     """Tell whether an opponent of a player can kick the ball (a foul is possible)."""
     for k in range(match["n_players"][0]):
@@ -49,7 +49,7 @@ def opponent_at_ball(match: NDArray[np.void], params: NDArray[np.void], types: N
     return False
 
 
-@njit
+@kernel
 def tackle_acceleration(
     match: NDArray[np.void],
     params: NDArray[np.void],

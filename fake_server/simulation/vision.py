@@ -34,7 +34,7 @@ from fake_server.simulation.observation import (
 )
 from fake_server.simulation.state import LANDMARKS, PERCEPTION, side_of, unum_of
 from rcss_hat.numeric.angles import DEG, normalize_radians
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import bernoulli, next_uint64, normal
 from rcss_hat.numeric.wire import six_digits
 from rcss_hat.protocol.landmarks import LANDMARK_NAMES, LANDMARK_POSITIONS, N_LANDMARKS
@@ -82,7 +82,7 @@ class Observer(NamedTuple):
     focus_y: float
 
 
-@njit
+@inlined
 def _observer(match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int) -> Observer:
     x, y = match["pos"][0, i, 0], match["pos"][0, i, 1]
     body, neck = match["body"][0, i], match["neck"][0, i]
@@ -108,7 +108,7 @@ def _observer(match: NDArray[np.void], params: NDArray[np.void], types: NDArray[
     )
 
 
-@njit
+@kernel
 def _special_tenths(
     o: Observer, x: float, y: float, dist: float, step: float, rate: float, focus_rate: float, noise: float
 ) -> float:
@@ -119,7 +119,7 @@ def _special_tenths(
     return focused_tenths(dist, focus_dist, step)
 
 
-@njit
+@inlined
 def _put_seen(
     o: Observer,
     out: NDArray[np.void],
@@ -149,7 +149,7 @@ def _put_seen(
     put_object(out, n, code, fields, seen, whole_degrees(direction), radial, tangential)
 
 
-@njit
+@inlined
 def _see_landmarks(
     o: Observer,
     params: NDArray[np.void],
@@ -189,14 +189,14 @@ def _see_landmarks(
     return n
 
 
-@njit
+@kernel
 def _landmark_normal(key: np.uint64, k: int) -> float:
     """Number from the standard normal distribution that hangs on key and landmark alone."""
     radius = math.sqrt(-2.0 * math.log(1.0 - landmark_uniform(key, k + N_LANDMARKS)))
     return radius * math.cos(2.0 * math.pi * landmark_uniform(key, k + 2 * N_LANDMARKS))
 
 
-@njit
+@inlined
 def _moving_tenths(
     o: Observer,
     params: NDArray[np.void],
@@ -216,7 +216,7 @@ def _moving_tenths(
     return float(_special_tenths(o, x, y, dist, step, rate, focus_rate, noise))
 
 
-@njit
+@inlined
 def _see_ball(
     o: Observer,
     match: NDArray[np.void],
@@ -246,7 +246,7 @@ def _see_ball(
     return n + 1
 
 
-@njit
+@inlined
 def _team_lost(params: NDArray[np.void], version: int, dist: float, rng: NDArray[np.uint64]) -> bool:
     """Decide whether the team of a player at a reported distance (m) is lost."""
     if params["version_11"][0]:
@@ -254,7 +254,7 @@ def _team_lost(params: NDArray[np.void], version: int, dist: float, rng: NDArray
     return version < 18 and bernoulli(rng, lost_with(dist, TEAM_FAR, TEAM_TOO_FAR))
 
 
-@njit
+@kernel
 def _pointing(
     o: Observer,
     match: NDArray[np.void],
@@ -276,7 +276,7 @@ def _pointing(
     return whole_degrees(normalize_radians(math.atan2(dy, dx) - o.body - o.neck + sigma * normal(rng)))
 
 
-@njit
+@inlined
 def _mark_player(
     o: Observer,
     match: NDArray[np.void],
@@ -305,7 +305,7 @@ def _mark_player(
         out["fields"][0, n] |= IS_KICKING
 
 
-@njit
+@inlined
 def _see_player(
     o: Observer,
     match: NDArray[np.void],
@@ -350,7 +350,7 @@ def _see_player(
     return n + 1
 
 
-@njit
+@kernel
 def see(
     match: NDArray[np.void],
     params: NDArray[np.void],
