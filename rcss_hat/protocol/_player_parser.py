@@ -223,15 +223,15 @@ def _scan_command(text: bytes, position: int) -> tuple[Command | None, int]:
 
 
 def _arguments(text: bytes, position: int) -> tuple[str, list[Value], int]:
-    """Read tokens up to the parenthesis that closes the command; position -1 when it never closes."""
+    """Read tokens up to the parenthesis that closes the command; position -1 when it is not found."""
     kinds: list[str] = []
     values: list[Value] = []
     depth = 0
     while True:
         kind, value, position = _token(text, position)
-        if kind in (_END, _ERROR):
-            return "".join(kinds) + _ERROR, values, -1
         depth += (kind == "(") - (kind == ")")
+        if kind in (_END, _ERROR) or depth > 1:  # no form nests deeper
+            return "".join(kinds) + _ERROR, values, -1
         if depth < 0:
             return "".join(kinds), values, position
         kinds.append(kind)
