@@ -94,8 +94,8 @@ class ArenaMatch:
         brains = self.policy.brains
         return int(
             run(
-                self.match, self.params, self.types, self.streams, self.agents, self.seats, self.landmarks, self.started,
-                self.due, self.sense, self.heard, self.sees, self.has_see, self.actions, self.state,
+                self.match, self.params, self.types, self.streams, self.agents, self.seats, self.landmarks,
+                self.started, self.due, self.sense, self.heard, self.sees, self.has_see, self.actions, self.state,
                 EXTERNAL if self.external is not None else brains.kind, brains.rules, brains.has_rules, brains.features,
                 brains.table, brains.weights, brains.traces, brains.learners, brains.method, brains.streams,
                 self.control, self.episode_log, self.decision_log, self.frame_log,

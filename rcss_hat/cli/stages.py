@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rcss_hat.cli.common import ARENA, REAL
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
+
+if TYPE_CHECKING:
+    from rcss_hat.team.servers import ServerProcess
 
 ENDLESS = 10**9
 INTERRUPTED = "interrupted"
@@ -77,16 +81,8 @@ def play_over_udp(
         See `play_on_stage`.
     """
     from rcss_hat.team.match import play
-    from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
 
-    server = None
-    if not isinstance(stage, tuple):
-        found = find_executable(executable) if stage == REAL else None
-        if stage == REAL and found is None:
-            raise ServerFailed(
-                f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
-            )
-        server = ServerProcess(task, seed, found)
+    server = own_server(task, seed, stage, executable)
     enough = False
 
     async def run() -> None:
@@ -110,3 +106,49 @@ def play_over_udp(
             server.clean()
     if enough and report.failure == INTERRUPTED:
         report.failure = None
+
+
+def own_server(
+    task: Task, seed: int | None, stage: str | tuple[str, int], executable: str | None = None
+) -> ServerProcess | None:
+    """Return the server of a stage, not started yet; None where somebody else runs it.
+
+    Raises
+    ------
+    ServerFailed
+        For the stage ``real`` where no rcssserver is found.
+    """
+    from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
+
+    if isinstance(stage, tuple):
+        return None
+    found = find_executable(executable) if stage == REAL else None
+    if stage == REAL and found is None:
+        raise ServerFailed(
+            f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
+        )
+    return ServerProcess(task, seed, found)
+
+
+def play_in_processes_on_stage(
+    report: RunReport,
+    task: Task,
+    seed: int,
+    policy: TeamPolicy,
+    stage: str | tuple[str, int],
+    episodes: int,
+    executable: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Play over UDP as `play_on_stage` does, every player in a process of its own."""
+    from rcss_hat.team.processes import play_in_processes
+
+    server = own_server(task, seed, stage, executable)
+    address = stage if isinstance(stage, tuple) else None
+    try:
+        asyncio.run(play_in_processes(report, task, seed, policy, episodes, server, address, progress))
+    except KeyboardInterrupt:
+        report.failure = report.failure or INTERRUPTED
+    finally:
+        if server is not None:
+            server.clean()

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
+from dataclasses import field as default
 from pathlib import Path
 
 OUT, TAKEN, UNKNOWN = "o", "t", "?"
@@ -115,7 +116,7 @@ class RunReport:
     field: str
     vision: int
     seed: int | None = None
-    episodes: list[Episode] = field(default_factory=list)
+    episodes: list[Episode] = default(default_factory=list)
     cycles: int = 0
     wall_s: float = 0.0
     missed: int = 0

@@ -34,7 +34,8 @@ class Task:
         if not 3 <= self.keepers <= 11 or not 2 <= self.takers <= 11:
             raise ValueError(f"Keepaway takes 3 to 11 keepers and 2 to 11 takers, not {self.keepers}v{self.takers}")
         if not 8.0 <= self.length <= 100.0 or not 8.0 <= self.width <= 64.0:
-            raise ValueError(f"the region must be 8 to 100 m long and 8 to 64 m wide, not {self.length:g}x{self.width:g}")
+            region = f"{self.length:g}x{self.width:g}"
+            raise ValueError(f"the region must be 8 to 100 m long and 8 to 64 m wide, not {region}")
         if not 1 <= self.vision <= 360:
             raise ValueError(f"vision is an angle of 1 to 360 degrees, not {self.vision}")
         if self.profile not in PROFILES:

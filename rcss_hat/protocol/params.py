@@ -315,7 +315,7 @@ class ServerParams(Mapping[str, Value]):
         For a value of the wrong kind.
     """
 
-    def __init__(self, profile: str = "19.0", **changes: Value) -> None:
+    def __init__(self, profile: str = "19.0", /, **changes: Value) -> None:
         if profile not in PROFILES:
             raise ValueError(f"unknown profile {profile!r}; known are {', '.join(PROFILES)}")
         self.profile = profile

@@ -1,0 +1,67 @@
+"""The ``rcss-hat`` command: a group whose subcommands are imported only when they are run."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+
+import click
+
+from rcss_hat import __version__
+
+COMMANDS = {
+    "play": ("rcss_hat.cli.play", "Play Keepaway with both teams and report the episodes."),
+    "keepers": ("rcss_hat.cli.teams", "Launch the keepers against a running server."),
+    "takers": ("rcss_hat.cli.teams", "Launch the takers against a running server."),
+    "server": ("rcss_hat.cli.server", "Run a real or fake rcssserver with Keepaway options."),
+    "record": ("rcss_hat.cli.record", "Record everything said between clients and a server."),
+    "demonstrate": ("rcss_hat.cli.demonstrate", "Record demonstrations of a teacher."),
+    "summarize": ("rcss_hat.cli.summarize", "Learn a decision list from demonstrations."),
+    "train": ("rcss_hat.cli.train", "Learn by Sarsa, alone or with a transfer method."),
+    "evaluate": ("rcss_hat.cli.train", "Play learned weights without learning."),
+    "experiment": ("rcss_hat.cli.experiment", "Run the trials of an experiment, in parallel and resumable."),
+    "report": ("rcss_hat.cli.experiment", "Tables, statistics and figures of an experiment."),
+    "watch": ("rcss_hat.cli.watch", "Watch a server, a match or a log in the browser."),
+}
+"""Name to (module, one line of help); the module has a click command of that name."""
+
+
+class LazyGroup(click.Group):
+    """Lists its commands without importing them, so that ``--help`` needs no compiler."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order people use them."""
+        return [name for name in COMMANDS if importlib.util.find_spec(COMMANDS[name][0])]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import and return one command."""
+        if cmd_name not in COMMANDS:
+            return None
+        module = importlib.import_module(COMMANDS[cmd_name][0])
+        command: click.Command = getattr(module, cmd_name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, COMMANDS[name][1]) for name in self.list_commands(ctx)])
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(__version__, prog_name="rcss-hat")
+def cli() -> None:
+    """RoboCup Keepaway and Human-Agent Transfer.
+
+    \b
+    Example:
+      rcss-hat play --on fake --keepers hand --episodes 20 --seed 1
+      rcss-hat demonstrate --teacher hand --episodes 20 --out demo.csv
+      rcss-hat summarize demo.csv --out rules.json
+      rcss-hat play --on fake --keepers rules.json --episodes 20
+    """
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    sys.exit(cli(prog_name="rcss-hat"))

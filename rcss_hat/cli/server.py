@@ -1,0 +1,58 @@
+"""``rcss-hat server``: a server with Keepaway options, real or fake."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+from pathlib import Path
+
+import click
+
+from rcss_hat.cli.common import fail, plain_errors, task_options
+from rcss_hat.keepaway.task import Task
+
+
+@click.command()
+@click.option(
+    "--real/--fake", "real", default=False, help="An rcssserver executable, or the stand-in.  [default: fake]"
+)
+@click.option("--executable", default=None, help="The rcssserver to start.  [default: the one on PATH]")
+@click.option("--port", type=click.IntRange(1, 65533), default=6000, show_default=True)
+@click.option("--seed", type=click.IntRange(0), default=None, help="Of the fake server.")
+@click.option("--folder", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="Where logs go.")
+@click.option("--real-time", is_flag=True, help="100 ms cycles instead of synch mode.")
+@task_options
+def server(
+    task: Task, real: bool, executable: str | None, port: int, seed: int | None, folder: Path, real_time: bool
+) -> None:
+    """Run a real or fake rcssserver with Keepaway options until Ctrl-C.
+
+    \b
+    Example:
+      rcss-hat server --fake --port 6000 --seed 1
+      rcss-hat server --real --executable ./rcssserver --real-time
+    """
+    from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
+
+    found = None
+    if real or executable:
+        found = find_executable(executable)
+        if found is None:
+            fail(f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --fake")
+    folder.mkdir(parents=True, exist_ok=True)
+
+    async def run() -> None:
+        process = ServerProcess(task, seed, found, folder.resolve(), port=port, synch_mode=not real_time)
+        async with process:
+            await process.answers()
+            click.echo(f"{'rcssserver' if found else 'fake rcssserver'} answers on port {port}", err=True)
+            if process.random_seed is not None:
+                click.echo(f"random seed: {process.random_seed}", err=True)
+            await process.ended()
+
+    with plain_errors(ServerFailed):
+        try:
+            asyncio.run(run())
+        except KeyboardInterrupt:
+            click.echo("stopped", err=True)
+            sys.exit(0)

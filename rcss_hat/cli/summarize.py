@@ -1,0 +1,47 @@
+"""``rcss-hat summarize``: from demonstrations to a decision list."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from rcss_hat.cli.common import plain_errors
+
+
+@click.command()
+@click.argument("demonstrations", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write the decision list (.json or .txt).")
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the rule learner.")
+@click.option("--arff", type=click.Path(dir_okay=False, path_type=Path), help="Export the decisions for Weka.")
+@click.option("--describe", is_flag=True, help="Describe the demonstrations as well.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def summarize(
+    demonstrations: tuple[Path, ...], out: Path | None, seed: int, arff: Path | None, describe: bool, as_json: bool
+) -> None:
+    """Learn a decision list (RIPPER) from one or more demonstrations.
+
+    \b
+    Example:
+      rcss-hat summarize demo.csv --out rules.json
+      rcss-hat summarize a.csv b.csv --out both.json --describe
+    """
+    from rcss_hat.hat.demonstrations import DemonstrationSet, combine
+    from rcss_hat.hat.summarize import summarize as learn
+
+    with plain_errors(ValueError):
+        sets = [DemonstrationSet.load(path) for path in demonstrations]
+        pooled = sets[0] if len(sets) == 1 else combine(sets)
+        summary = learn(pooled, seed)
+        if out is not None:
+            out.parent.mkdir(parents=True, exist_ok=True)
+            summary.decision_list.save(out)
+        if arff is not None:
+            pooled.to_arff(arff)
+    if as_json:
+        click.echo(json.dumps(summary.to_dict()))
+        return
+    if describe:
+        click.echo(pooled.describe().to_text() + "\n")
+    click.echo(summary.to_text())
