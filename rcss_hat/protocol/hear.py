@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.jit import njit
-from rcss_hat.protocol import records
 from rcss_hat.protocol.records import MAX_PLAYERS, SAY_SIZE
 from rcss_hat.protocol.scan import (
     LEFT_PARENTHESIS,
@@ -99,8 +98,3 @@ def _team_mate(data: NDArray[np.uint8], i: int, time: int, direction: float, hea
     for k in range(SAY_SIZE):
         heard["text"][0, k] = byte(data, start + k) if k < n else 0
     return HEARD_TEAM_MATE
-
-
-def warm_up() -> None:
-    """Compile (or load) the parser before the first message."""
-    parse_hear_fast(b'(hear 0 0 our 1 "")', records.empty(records.HEARD))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.jit import njit
-from rcss_hat.protocol import records, scan
+from rcss_hat.protocol import scan
 from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.protocol.landmarks import LANDMARK_NAMES, LINE_NAMES
 from rcss_hat.protocol.records import (
@@ -275,8 +275,3 @@ def _fields(data: NDArray[np.uint8], i: int, see: NDArray[np.void], k: int) -> t
     see["head"][0, k] = v5
     see["pointing"][0, k] = v2 if count == 3 else v6
     return 0, i + 1
-
-
-def warm_up() -> None:
-    """Compile (or load) the parser before the first message."""
-    parse_see(b"(see 0 ((b) 1 0))", b"", records.empty(records.SEE))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.jit import njit
-from rcss_hat.protocol import records, scan
+from rcss_hat.protocol import scan
 from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.protocol.records import (
     COLLIDED_BALL,
@@ -353,9 +353,3 @@ def _collision(data: NDArray[np.uint8], i: int, sense: NDArray[np.void]) -> tupl
     if data[i] != RIGHT_PARENTHESIS:
         return WANT_CLOSE, i
     return 0, i + 1
-
-
-def warm_up() -> None:
-    """Compile (or load) the parser before the first message."""
-    message = b"(sense_body 0 (view_mode high normal) (stamina 1 1) (speed 0 0))"
-    parse_sense_body(message, records.empty(records.SENSE_BODY))

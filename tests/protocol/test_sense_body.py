@@ -139,6 +139,12 @@ def test_parts_of_all_versions(part: str, expected: dict[str, Any]) -> None:
         (SHORT + "(focus (target x 1)))", 81),
         (SHORT + "(collision (wall)))", 78),
         (SHORT + "(unknown (a) (b)", 74),
+        (SHORT + "(arm (target 1)))", 81),
+        (SHORT + "(arm (count 1) x))", 81),
+        (SHORT + "(focus (target none x)))", 86),
+        (SHORT + "(collision (ball x)))", 82),
+        (SHORT + "(collision none x))", 82),
+        (SHORT + "(view_mode high wide x))", 87),
         (SHORT + "(head_angle nan))", 78),
     ],
 )
