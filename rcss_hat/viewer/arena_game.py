@@ -1,0 +1,78 @@
+"""A match in the arena that a person plays: cycle by cycle at a person's pace, without a server."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rcss_hat.arena.match import ArenaMatch
+from rcss_hat.hat.policy import TeamPolicy
+from rcss_hat.keepaway.task import Task
+from rcss_hat.viewer.arena_reel import snapshot_of
+from rcss_hat.viewer.audience import Audience
+from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.frames import Setup
+from rcss_hat.viewer.narrator import make_frame
+
+STALL = 1.0
+"""Seconds after which a stopped machine does not make up for the cycles it missed."""
+
+
+class ArenaGame:
+    """A match of the arena whose keepers a person plays; a `rcss_hat.viewer.audience.Source`.
+
+    Parameters
+    ----------
+    task : Task
+    seed : int
+    policy : TeamPolicy
+        Gives the arena its random streams; the person decides.
+    demonstration : Demonstration
+        Who decides.
+    speed : float
+        Times real time.
+    """
+
+    def __init__(
+        self, task: Task, seed: int, policy: TeamPolicy, demonstration: Demonstration, speed: float = 1.0
+    ) -> None:
+        self.demonstration, self.speed = demonstration, speed
+        self.setup = Setup.from_params(f"arena, seed {seed}", task.params())
+        self._match = ArenaMatch(task, seed, policy, external=self._decide, log_frames=True)
+
+    def command(self, name: str, value: float) -> bool:
+        """Refuse: what a person plays is not stopped or sought."""
+        return False
+
+    def _decide(self, state: NDArray[np.float64], info: dict[str, Any]) -> int:
+        return self.demonstration.decide(info["keeper"], info["cycle"], info["status"], info["reward"], state)
+
+    async def run(self, audience: Audience) -> None:
+        """Play until the demonstration is finished."""
+        audience.notice("Compiling; this takes a while the first time.")
+        await asyncio.to_thread(self._cycle, audience, False)
+        audience.notice("")
+        audience.setup(self.setup, live=True)
+        audience.episodes([])
+        loop = asyncio.get_running_loop()
+        due = loop.time()
+        while not self.demonstration.finished:
+            due = max(due + self.setup.cycle_s / self.speed, loop.time() - STALL)
+            await asyncio.sleep(max(due - loop.time(), 0.0))
+            self._cycle(audience, True)
+
+    def _cycle(self, audience: Audience, show: bool) -> None:
+        """Play one cycle: the picture comes first, then the keepers decide on it."""
+        match = self._match
+        ended = [e for chunk in match.advance(cycles=match.cycle + 1) for e in chunk]
+        insight = self.demonstration.insight
+        for record in match.take_frames():
+            if not show:
+                continue
+            episode, start = int(record["episode"]), int(record["episode_start"])
+            audience.frame(make_frame(snapshot_of(record), self.setup, episode, start, insight.thought, insight.values))
+        for finished in ended:
+            audience.episode(finished)

@@ -1,0 +1,149 @@
+"""The keys of a person that become decisions of keepers; no sockets, clocks or files.
+
+With no key the keeper with the ball holds it, as in the paper. A key is an intention: it is taken up by whichever
+keeper has the ball at his next decision, within one cycle. An intention lives as long as the possession in which the
+key was pressed; when nobody had the ball, it waits some cycles for the next keeper who gets it, and then lapses, so
+that a second press for a pass already on its way does not make the receiver pass at once.
+
+A number is an action: 1 is PASS1, to whomever the keeper takes for the nearest. An arrow or a click means a team mate;
+which action that is follows from the order in which the keeper sees its team mates when it decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rcss_hat.viewer.frames import Frame, Player
+from rcss_hat.viewer.situation import around, believed_mates
+
+HOLD = 0
+GRACE = 5
+"""Cycles that an intention waits for somebody to get the ball."""
+
+
+@dataclass(frozen=True, slots=True)
+class Press:
+    """A key pressed for a pass.
+
+    Attributes
+    ----------
+    action : int
+    mate : str or None
+        Whom the person meant, when he meant somebody and not a number.
+    cycle : int
+        The newest cycle the person could see.
+    holder : str or None
+        Who had the ball then.
+    """
+
+    action: int
+    mate: str | None
+    cycle: int
+    holder: str | None
+
+
+class KeyChannel:
+    """Between the keys and the keeper with the ball.
+
+    Parameters
+    ----------
+    actions : sequence of int
+        Actions a person may choose; Hold, 0, is always among them.
+    grace : int
+        Cycles that an intention waits while nobody has the ball.
+
+    Attributes
+    ----------
+    pending : Press or None
+        What no keeper has taken up yet.
+    taken : (int, int) or None
+        Cycle and action of the last pass that a key started.
+    """
+
+    def __init__(self, actions: Sequence[int] = (0, 1, 2), grace: int = GRACE) -> None:
+        if not all(isinstance(a, int) and a >= 0 for a in actions) or not any(actions):
+            raise ValueError(f"actions are Hold (0) and at least one pass (1, 2, ...), not {list(actions)}")
+        self.actions = tuple(sorted({HOLD, *actions}))
+        self.grace = grace
+        self.pending: Press | None = None
+        self.taken: tuple[int, int] | None = None
+        self._cycle = 0
+        self._holder: str | None = None
+        self._mates: dict[str, int] = {}
+        self._players: list[dict[str, Any]] = []
+
+    def press(self, action: int) -> bool:
+        """Ask for an action; Hold takes back what was asked for.
+
+        Returns
+        -------
+        bool
+            Whether this action may be chosen.
+        """
+        if action not in self.actions:
+            return False
+        self.pending = None if action == HOLD else Press(action, None, self._cycle, self._holder)
+        return True
+
+    def press_mate(self, mate: str) -> bool:
+        """Ask for a pass to a team mate (id such as ``l2``)."""
+        if mate not in self._mates:
+            return False
+        self.pending = Press(self._mates[mate], mate, self._cycle, self._holder)
+        return True
+
+    def observe(self, frame: Frame) -> None:
+        """Take the newest frame; what the person can choose and has asked for is written into it."""
+        keepers = frame["keepers"] or []
+        holder = frame["holder"] if frame["holder"] in keepers else None
+        frame["choices"] = [c for c in frame["choices"] if c["action"] in self.actions]
+        self._mates = {c["mate"]: c["action"] for c in frame["choices"]}
+        self._cycle, self._holder, self._players = frame["time"], holder, frame["players"]
+        press = self.pending
+        if press is not None:
+            lost = press.holder is not None and holder != press.holder
+            late = press.holder is None and self._cycle - press.cycle > self.grace
+            if lost or late:
+                self.pending = None
+        frame["pending"] = self.pending.action if self.pending is not None else None
+
+    def take(self, keeper: int, cycle: int, state: Sequence[float]) -> int:
+        """Choose for a keeper (uniform number) who has the ball, at his decision point.
+
+        Parameters
+        ----------
+        keeper, cycle : int
+        state : sequence of float
+            State variables as this keeper perceives them.
+
+        Returns
+        -------
+        int
+            What was asked for, which is thereby taken up; Hold when nothing was, or when it was meant for another.
+        """
+        press = self.pending
+        if press is None:
+            return HOLD
+        if press.holder is None:
+            mine = cycle - press.cycle <= self.grace
+        else:
+            mine = press.holder == f"l{keeper}"
+        if not mine:
+            return HOLD
+        self.pending = None
+        action = press.action if press.mate is None else self._action_to(press.mate, keeper, state, press.action)
+        if action != HOLD:
+            self.taken = (cycle, action)
+        return action
+
+    def _action_to(self, mate: str, keeper: int, state: Sequence[float], otherwise: int) -> int:
+        """Action with which a keeper passes to a team mate; Hold when that is the keeper himself."""
+        players = [Player.from_dict(p) for p in self._players]
+        me = next((p for p in players if p.id == f"l{keeper}"), None)
+        if me is None or mate == me.id:
+            return HOLD
+        mates = believed_mates(around(me, players, None), state)
+        action = mates.index(mate) + 1 if mate in mates else otherwise
+        return action if action in self.actions else otherwise
