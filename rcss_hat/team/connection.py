@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Any
 
 import asyncio_dgram
+from asyncio_dgram.aio import DatagramServer
 
 RECEIVE_BUFFER = 1 << 20
 
@@ -42,7 +43,7 @@ class Connection:
         self.server = (host, port)
         self.name = name
         self._socket: socket.socket | None = None
-        self._stream: asyncio_dgram.DatagramServer | None = None
+        self._stream: DatagramServer | None = None
 
     async def open(self, first: bytes, *, attempts: int = 60, pause: float = 0.25) -> bytes:
         r"""Send the first datagram until the server answers.
@@ -75,7 +76,7 @@ class Connection:
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
         self._socket.bind(("", 0))
         stream = await asyncio_dgram.from_socket(self._socket)
-        assert isinstance(stream, asyncio_dgram.DatagramServer)  # not connected yet
+        assert isinstance(stream, DatagramServer)  # not connected yet
         self._stream = stream
         for _ in range(attempts):
             await stream.send(first, address)

@@ -18,6 +18,7 @@ from pathlib import Path
 from types import TracebackType
 
 import asyncio_dgram
+from asyncio_dgram.aio import DatagramServer
 
 from rcss_hat.team.connection import received
 
@@ -74,8 +75,8 @@ class TranscriptWriter:
 class _Client:
     name: str
     address: tuple[str, int]
-    near: asyncio_dgram.DatagramServer
-    far: asyncio_dgram.DatagramServer
+    near: DatagramServer
+    far: DatagramServer
     server: tuple[str, int]
     cycle: int = -1
     tasks: list[asyncio.Task[None]] = field(default_factory=list)
@@ -100,7 +101,7 @@ class Relay:
         self.server, self.bind = (host, port), bind
         self.port = listen
         self.transcript = TranscriptWriter(path)
-        self._door: asyncio_dgram.DatagramServer | None = None
+        self._door: DatagramServer | None = None
         self._clients: dict[tuple[str, int], _Client] = {}
         self._task: asyncio.Task[None] | None = None
         self._anonymous = 0
