@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.numeric.rng import bernoulli, integer
 
 NO_ACTION = -1
 
 
-@njit
+@kernel
 def greedy(rng: NDArray[np.uint64], q: NDArray[np.float64], n: int, favoured: int, bonus: float) -> int:
     """Choose the best of n actions, uniformly among equals.
 
@@ -37,7 +37,7 @@ def greedy(rng: NDArray[np.uint64], q: NDArray[np.float64], n: int, favoured: in
     return best
 
 
-@njit
+@kernel
 def epsilon_greedy(
     rng: NDArray[np.uint64], q: NDArray[np.float64], n: int, epsilon: float, favoured: int, bonus: float
 ) -> int:

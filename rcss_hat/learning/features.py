@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 MAX_VARIABLES = 64
 """Room for 11 v 11 (63 variables)."""
@@ -46,7 +46,7 @@ FEATURES = np.dtype(
 """Where the features of each state variable lie."""
 
 
-@njit
+@kernel
 def locate(features: NDArray[np.void], variable: int, x: float) -> tuple[int, int]:
     """Find the active features of one state variable.
 
@@ -71,44 +71,55 @@ def locate(features: NDArray[np.void], variable: int, x: float) -> tuple[int, in
     return int(features["first"][0, variable]) + (cell >> shift), cell & ((1 << shift) - 1)
 
 
-@njit
+@kernel
 def weighted_sum(
     table: NDArray[np.float64],
     weights: NDArray[np.float64],
     start: NDArray[np.int32],
     row: NDArray[np.int32],
     n_variables: int,
-    scratch: NDArray[np.float64],
 ) -> float:
     """Sum weight times value over all active features.
 
     Parameters
     ----------
-    table : ndarray of float64, shape (rows, active)
+    table : ndarray of float64, shape (rows + 1, active)
+        The last row is working space and is overwritten.
     weights : ndarray of float64, shape (n_features,)
         Of one action.
     start, row : ndarray of int32, shape (MAX_VARIABLES,)
         From `locate`, for every variable.
     n_variables : int
-    scratch : ndarray of float64, shape (active,)
-        Overwritten. Adding up variable after variable, position by position, keeps the order of additions fixed and
-        still lets the compiler use vector instructions, which one running sum would not.
+
+    Notes
+    -----
+    Variables are added up position by position, four at a time: that fixes the order of additions and still lets the
+    compiler use vector instructions, which it may not do for one running sum.
     """
     active = table.shape[1]
+    sums = table[table.shape[0] - 1]
     for i in range(active):
-        scratch[i] = 0.0
-    for v in range(n_variables):
-        run = weights[start[v] : start[v] + active]
-        values = table[row[v]]
+        sums[i] = 0.0
+    v = 0
+    while v + 4 <= n_variables:
+        w0, w1 = weights[start[v] : start[v] + active], weights[start[v + 1] : start[v + 1] + active]
+        w2, w3 = weights[start[v + 2] : start[v + 2] + active], weights[start[v + 3] : start[v + 3] + active]
+        x0, x1, x2, x3 = table[row[v]], table[row[v + 1]], table[row[v + 2]], table[row[v + 3]]
         for i in range(active):
-            scratch[i] += run[i] * values[i]
+            sums[i] += (w0[i] * x0[i] + w1[i] * x1[i]) + (w2[i] * x2[i] + w3[i] * x3[i])
+        v += 4
+    while v < n_variables:
+        w0, x0 = weights[start[v] : start[v] + active], table[row[v]]
+        for i in range(active):
+            sums[i] += w0[i] * x0[i]
+        v += 1
     total = 0.0
     for i in range(active):
-        total += scratch[i]
+        total += sums[i]
     return total
 
 
-@njit
+@kernel
 def add_features(
     table: NDArray[np.float64],
     weights: NDArray[np.float64],
@@ -133,8 +144,8 @@ class Approximator:
     Attributes
     ----------
     record : FEATURES, shape (1,)
-    table : ndarray of float64, shape (rows, active)
-        Values of a run of active features.
+    table : ndarray of float64, shape (rows + 1, active)
+        Values of a run of active features, by row; the last row is working space of the kernels.
     tilings : int
         Features in one tile width.
     lowest : int
@@ -164,12 +175,12 @@ class Approximator:
     @property
     def norm(self) -> float:
         """Mean over all places of the sum of squared feature values of one action."""
-        return self.n_variables * float((self.table**2).sum(axis=1).mean())
+        return self.n_variables * float((self.table[:-1] ** 2).sum(axis=1).mean())
 
     @property
     def sum(self) -> float:
         """Mean over all places of the sum of feature values of one action."""
-        return self.n_variables * float(self.table.sum(axis=1).mean())
+        return self.n_variables * float(self.table[:-1].sum(axis=1).mean())
 
     def active_features(self, state: ArrayLike) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
         """List the active features of a state, for looking at them (play does not use this).
@@ -315,4 +326,5 @@ def _lay_out(
     record["width"][0, :n] = width
     record["last"][0, :n] = last
     record["first"][0, :n] = np.cumsum(slots) - slots
-    return Approximator(record, np.ascontiguousarray(table, dtype=np.float64), tilings, lowest)
+    with_space = np.vstack([table, np.zeros((1, table.shape[1]))])
+    return Approximator(record, with_space, tilings, lowest)

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from rcss_hat.learning.exploration import NO_ACTION, epsilon_greedy
 from rcss_hat.learning.features import MAX_VARIABLES, add_features, locate, weighted_sum
 from rcss_hat.learning.traces import add_traces, clear_traces, decay_traces, replace_traces
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 MAX_ACTIONS = 12
 """Hold, ten passes and one pseudo-action of a transfer method."""
@@ -63,7 +63,7 @@ LEARNER = np.dtype(
 """One learner's settings and memory."""
 
 
-@njit
+@kernel
 def observe(
     learner: NDArray[np.void],
     features: NDArray[np.void],
@@ -77,7 +77,7 @@ def observe(
     ----------
     learner : LEARNER, shape (1,)
     features : FEATURES, shape (1,)
-    table : ndarray of float64, shape (rows, active)
+    table : ndarray of float64, shape (rows + 1, active)
     weights : ndarray of float64, shape (actions, n_features)
     state : ndarray of float64, shape (n_variables,)
     """
@@ -85,18 +85,17 @@ def observe(
     n = int(features["n_variables"][0])
     for v in range(n):
         start[v], row[v] = locate(features, v, state[v])
-    scratch = np.empty(table.shape[1])
     for a in range(weights.shape[0]):
-        q[a] = weighted_sum(table, weights[a], start, row, n, scratch)
+        q[a] = weighted_sum(table, weights[a], start, row, n)
 
 
-@njit
+@kernel
 def has_acted(learner: NDArray[np.void]) -> bool:
     """Tell whether this keeper has taken a decision in this episode."""
     return learner["last_action"][0] != NO_ACTION
 
 
-@njit
+@kernel
 def begin(
     learner: NDArray[np.void],
     features: NDArray[np.void],
@@ -125,7 +124,7 @@ def begin(
         replace_traces(table, traces, low, high, learner["start"][0], learner["row"][0], n, action)
 
 
-@njit
+@kernel
 def advance(
     learner: NDArray[np.void],
     features: NDArray[np.void],
@@ -155,7 +154,7 @@ def advance(
     _update(learner, features, table, weights, traces, reward + gamma * value - learner["last_value"][0])
     start, row = learner["start"][0], learner["row"][0]
     if action == last_action or traces.shape[0] > 0:  # else the update did not touch the weights of this action
-        value = weighted_sum(table, weights[action], start, row, n, np.empty(table.shape[1])) + bonus
+        value = weighted_sum(table, weights[action], start, row, n) + bonus
     _remember(learner, n, action, value)
     if traces.shape[0] > 0:
         low, high = learner["trace_low"][0], learner["trace_high"][0]
@@ -163,7 +162,7 @@ def advance(
         replace_traces(table, traces, low, high, start, row, n, action)
 
 
-@njit
+@kernel
 def conclude(
     learner: NDArray[np.void],
     features: NDArray[np.void],
@@ -187,7 +186,7 @@ def conclude(
     learner["episode_decisions"][0] = 0
 
 
-@njit
+@kernel
 def count_episode(learner: NDArray[np.void]) -> None:
     """Count a finished episode and move the schedules of step size and epsilon; does nothing unless learning."""
     if not learner["learning"][0]:
@@ -197,13 +196,13 @@ def count_episode(learner: NDArray[np.void]) -> None:
     learner["epsilon"][0] = max(learner["epsilon_final"][0], learner["epsilon"][0] * learner["epsilon_decay"][0])
 
 
-@njit
+@kernel
 def exploration(learner: NDArray[np.void]) -> float:
     """Return the probability of an exploratory action now: epsilon, or 0 while not exploring."""
     return learner["epsilon"][0] if learner["exploring"][0] else 0.0
 
 
-@njit
+@kernel
 def start(
     learner: NDArray[np.void],
     rng: NDArray[np.uint64],
@@ -220,7 +219,7 @@ def start(
     return action
 
 
-@njit
+@kernel
 def step(
     learner: NDArray[np.void],
     rng: NDArray[np.uint64],
@@ -238,7 +237,7 @@ def step(
     return action
 
 
-@njit
+@kernel
 def end(
     learner: NDArray[np.void],
     features: NDArray[np.void],
@@ -252,7 +251,7 @@ def end(
     count_episode(learner)
 
 
-@njit
+@kernel
 def _remember(learner: NDArray[np.void], n_variables: int, action: int, value: float) -> None:
     start, row = learner["start"][0], learner["row"][0]
     last_start, last_row = learner["last_start"][0], learner["last_row"][0]
@@ -266,7 +265,7 @@ def _remember(learner: NDArray[np.void], n_variables: int, action: int, value: f
         learner["decisions"][0] += 1
 
 
-@njit
+@kernel
 def _update(
     learner: NDArray[np.void],
     features: NDArray[np.void],

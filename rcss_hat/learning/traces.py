@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def clear_traces(
     traces: NDArray[np.float64], low: NDArray[np.int32], high: NDArray[np.int32], n_variables: int
 ) -> None:
@@ -35,7 +35,7 @@ def clear_traces(
         high[v] = 0
 
 
-@njit
+@kernel
 def decay_traces(
     traces: NDArray[np.float64],
     low: NDArray[np.int32],
@@ -53,7 +53,7 @@ def decay_traces(
                 run[i] = decayed if decayed >= minimum else 0.0
 
 
-@njit
+@kernel
 def replace_traces(
     table: NDArray[np.float64],
     traces: NDArray[np.float64],
@@ -80,7 +80,7 @@ def replace_traces(
         high[v] = max(high[v], end)
 
 
-@njit
+@kernel
 def add_traces(
     weights: NDArray[np.float64],
     traces: NDArray[np.float64],

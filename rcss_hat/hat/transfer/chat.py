@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from rcss_hat.hat.transfer.ppr import select_ppr
 from rcss_hat.hat.transfer.record import KIND_CHAT, NO_ADVICE, TransferMethod, check_number, method_record
 from rcss_hat.hat.transfer.reuse import SCHEDULES, check_schedule
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def select_chat(
     method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int, confidence: float
 ) -> int:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from rcss_hat.hat.transfer.record import KIND_EXTRA_ACTION, NO_ADVICE, TransferMethod, check_count, method_record
 from rcss_hat.learning.exploration import NO_ACTION, epsilon_greedy
 from rcss_hat.learning.sarsa import exploration
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def select_extra_action(
     method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int
 ) -> int:

@@ -18,10 +18,10 @@ from rcss_hat.hat.transfer.ppr import select_ppr
 from rcss_hat.hat.transfer.record import KIND_CHAT, KIND_EXTRA_ACTION, KIND_PPR, KIND_VALUE_BONUS
 from rcss_hat.hat.transfer.value_bonus import select_value_bonus, target_bonus
 from rcss_hat.learning.sarsa import advance, begin, conclude, count_episode, observe
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def select(
     method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int, confidence: float
 ) -> int:
@@ -38,13 +38,13 @@ def select(
     return select_no_prior(learner, rng)
 
 
-@njit
+@kernel
 def executed_action(learner: NDArray[np.void], selected: int, advice: int) -> int:
     """Return what selecting a row of the weights makes the keeper do: a pseudo-action executes the advice."""
     return selected if selected < learner["n_actions"][0] else advice
 
 
-@njit
+@kernel
 def decide_first(
     learner: NDArray[np.void],
     rng: NDArray[np.uint64],
@@ -64,7 +64,7 @@ def decide_first(
     learner : LEARNER, shape (1,)
     rng : ndarray of uint64, shape (4,)
     features : FEATURES, shape (1,)
-    table : ndarray of float64, shape (rows, active)
+    table : ndarray of float64, shape (rows + 1, active)
     weights : ndarray of float64, shape (actions, n_features)
     traces : ndarray of float64, the shape of the weights or (0, 0)
     method : METHOD, shape (1,)
@@ -84,7 +84,7 @@ def decide_first(
     return executed_action(learner, selected, advice)
 
 
-@njit
+@kernel
 def decide_step(
     learner: NDArray[np.void],
     rng: NDArray[np.uint64],
@@ -106,7 +106,7 @@ def decide_step(
     return executed_action(learner, selected, advice)
 
 
-@njit
+@kernel
 def finish_episode(
     learner: NDArray[np.void],
     features: NDArray[np.void],

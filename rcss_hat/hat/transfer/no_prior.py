@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from rcss_hat.hat.transfer.record import KIND_NO_PRIOR, TransferMethod, method_record
 from rcss_hat.learning.exploration import NO_ACTION, epsilon_greedy
 from rcss_hat.learning.sarsa import exploration
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def select_no_prior(learner: NDArray[np.void], rng: NDArray[np.uint64]) -> int:
     """Select epsilon-greedily on Q."""
     return epsilon_greedy(rng, learner["q"][0], learner["n_actions"][0], exploration(learner), NO_ACTION, 0.0)

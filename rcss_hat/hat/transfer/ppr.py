@@ -12,11 +12,11 @@ from rcss_hat.hat.transfer.record import KIND_PPR, NO_ADVICE, TransferMethod, ch
 from rcss_hat.hat.transfer.reuse import SCHEDULES, check_schedule, reuse_probability
 from rcss_hat.learning.exploration import NO_ACTION, epsilon_greedy
 from rcss_hat.learning.sarsa import exploration
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.numeric.rng import bernoulli
 
 
-@njit
+@kernel
 def select_ppr(method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int) -> int:
     """Select the advice with probability psi, otherwise epsilon-greedily on Q."""
     if advice != NO_ADVICE and bernoulli(rng, reuse_probability(method, learner)):

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from rcss_hat.hat.transfer.record import KIND_REPLAY, TransferMethod, check_count, method_record
 from rcss_hat.learning.sarsa import advance, begin, conclude, has_acted, observe
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def replay_decisions(
     learner: NDArray[np.void],
     features: NDArray[np.void],

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 SCHEDULES = ("episode", "decision", "within-episode")
 """What psi decays with: finished episodes; this keeper's decisions; or its decisions since the episode began, starting
@@ -15,7 +15,7 @@ from 1 again in every episode (the pi-reuse strategy of Fernandez and Veloso 200
 PER_EPISODE, PER_DECISION, WITHIN_EPISODE = range(3)
 
 
-@njit
+@kernel
 def reuse_probability(method: NDArray[np.void], learner: NDArray[np.void]) -> float:
     """Return psi for the decision at hand: ``decay ** k`` after k episodes (or decisions, by the schedule)."""
     schedule = method["schedule"][0]

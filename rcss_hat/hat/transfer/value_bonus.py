@@ -18,10 +18,10 @@ from rcss_hat.hat.transfer.record import (
 )
 from rcss_hat.learning.exploration import epsilon_greedy
 from rcss_hat.learning.sarsa import exploration
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 
-@njit
+@kernel
 def select_value_bonus(
     method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int
 ) -> int:
@@ -32,7 +32,7 @@ def select_value_bonus(
     return epsilon_greedy(rng, learner["q"][0], learner["n_actions"][0], exploration(learner), advice, bonus)
 
 
-@njit
+@kernel
 def target_bonus(method: NDArray[np.void], selected: int, advice: int) -> float:
     """Return what is added to Q of the selected action in the values that learning aims at."""
     if selected == advice and method["in_targets"][0]:
