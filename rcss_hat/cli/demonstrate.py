@@ -124,6 +124,7 @@ def _over_udp(
     from rcss_hat.team.demonstration import DemonstrationRecorder
     from rcss_hat.team.match import play
 
+    policy.warm_up()
     server = own_server(task, seed, stage, executable)
     address = stage if isinstance(stage, tuple) else None
     recorder = DemonstrationRecorder(writer, policy)

@@ -82,6 +82,7 @@ def play_over_udp(
     """
     from rcss_hat.team.match import play
 
+    policy.warm_up()
     server = own_server(task, seed, stage, executable)
     enough = False
 

@@ -30,6 +30,8 @@ def _run(
         policy = load_policy(keepers, task.keepers, task.takers, seed) if keepers is not None else None
     except PolicyError as error:
         raise click.BadParameter(str(error), param_hint="--policy") from error
+    if policy is not None:
+        policy.warm_up()
     report = RunReport(stage_text(address), keepers or "-", "hand", task.size, task.field, task.vision, seed)
     label = f"{'keepers' if policy else 'takers'} on {report.stage}"
     with progress_bar(label, episodes, hide=as_json) as update, plain_errors(RuntimeError):

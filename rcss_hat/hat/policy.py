@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.hat.brains import KIND_NAMES, LEARNED, RULES, Brains, choose, finish, fixed_brains, learned_brains
+from rcss_hat.hat.brains import HOLD, KIND_NAMES, LEARNED, RULES, Brains, choose, finish, fixed_brains, learned_brains
 from rcss_hat.hat.decision_list import DecisionList
 from rcss_hat.hat.transfer.learners import Learners
 from rcss_hat.keepaway.agent import FIRST
 from rcss_hat.keepaway.decision import Decide, EpisodeEnd
+from rcss_hat.keepaway.state import n_state_variables
 
 FIXED = tuple(KIND_NAMES)
 
@@ -33,6 +34,15 @@ class TeamPolicy:
 
     def __init__(self, spec: str, brains: Brains, keepers: int, takers: int) -> None:
         self.spec, self.brains, self.keepers, self.takers = spec, brains, keepers, takers
+
+    def warm_up(self) -> None:
+        """Compile, or load from the cache, what deciding needs; this policy's own records stay as they are."""
+        state = np.zeros(n_state_variables(self.keepers, self.takers))
+        idle = TeamPolicy("hold", fixed_brains(HOLD, self.keepers, 0), self.keepers, self.takers)
+        decide, _ = idle(0)
+        decide(0, FIRST, 0.0, state)
+        b = idle.brains
+        finish(HOLD, b.features, b.table, b.weights[0], b.traces[0], b.learners[:1], 0.0)
 
     def __call__(self, number: int) -> tuple[Decide, EpisodeEnd | None]:
         """Return the policy of one keeper (from 0) for `rcss_hat.keepaway.session.KeepawayPlayer`."""

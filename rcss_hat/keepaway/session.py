@@ -21,6 +21,7 @@ from rcss_hat.protocol.params import ServerParams
 from rcss_hat.protocol.records import ACTION, HEARD, LEFT, RIGHT, SEE, SENSE_BODY, empty
 from rcss_hat.protocol.see import parse_see
 from rcss_hat.protocol.sense_body import parse_sense_body
+from rcss_hat.protocol.warm_up import warm_up
 
 DONE = b"(done)\0"
 EPISODE_END = "training Keepaway 1"
@@ -118,6 +119,7 @@ class KeepawayPlayer:
         kernels.perceive(taker, self._record, self._sense, self._see, True, self._heard, True)
         kernels.act(taker, self._record, 0, self._action)
         action_to_bytes(self._action)
+        warm_up()
 
     # -- messages -----------------------------------------------------------------------------------------------------
     def receive(self, data: bytes) -> list[bytes]:

@@ -30,7 +30,9 @@ class PlayerDied(RuntimeError):
 def _run_player(pipe: Pipe, task: Task, host: str, port: int, seed: int, policy: str, number: int) -> None:
     """Body of a player's process: keeper ``number`` from 0, or taker ``number - task.keepers``."""
     if number < task.keepers:
-        decide, ended = load_policy(policy, task.keepers, task.takers, seed)(number)
+        team = load_policy(policy, task.keepers, task.takers, seed)
+        team.warm_up()
+        decide, ended = team(number)
         player = KeepawayPlayer(KEEPERS, task.keepers, task.takers, seed, decide, ended)
     else:
         player = KeepawayPlayer(TAKERS, task.keepers, task.takers, seed, never)
