@@ -1,8 +1,8 @@
 """Episodes from what can be seen: a referee's view rebuilt from snapshots.
 
-Monitors and game logs do not tell when a Keepaway episode ends. But the server then puts the ball back on its spot, at
-rest, and the players into their corners, within one cycle: nobody can move that far. Why it ended follows from the
-referee's own count: rcssserver (19.0.0, src/referee.cpp, KeepawayRef) counts the cycles in which a taker can kick the
+Monitors and game logs do not tell when a Keepaway episode ends. But the server then puts the ball back exactly on its
+spot, at rest, where no play brings it; and when it was still there, the players into their corners, farther than
+anybody can move. Why it ended follows from the referee's own count: rcssserver (19.0.0, src/referee.cpp, KeepawayRef) counts the cycles in which a taker can kick the
 ball, and takes the count back to 0 when only a keeper can.
 """
 
@@ -17,8 +17,8 @@ CORNER = 4.0
 """The ball starts so far inside the corner at negative x and y, metres."""
 TURNOVER_TIME = 4
 """Cycles of a taker's possession that end an episode."""
-_PLAYER_STEP, _BALL_STEP = 2.0, 4.0
-"""What nothing can move within one cycle, collisions included, metres."""
+_PLAYER_STEP = 2.0
+"""What no player can move within one cycle, collisions included, metres."""
 
 
 class EpisodeTracker:
@@ -56,14 +56,14 @@ class EpisodeTracker:
             return None
         if before is None or now.time < before.time:
             # The first step of a match shows cycle 1 with the ball on its spot; the match began with cycle 0.
-            self._begin(0 if now.time <= 1 else now.time, known=self._at_start(now))
+            self._begin(0 if now.time <= 1 else now.time, known=now.time <= 1 and self._at_start(now))
             return None
         if before.mode != now.mode and now.mode == "play_on" and self._at_start(now):
             self._begin(before.time, known=True)
             return None
         if now.mode != "play_on" or now.time == before.time:
             return None
-        if not (self._at_start(now) and _jumped(before, now)):
+        if not self._at_start(now) or (self._at_start(before) and not _jumped(before, now)):
             self._count(now)
             return None
         ended = Episode(self.number, self.start, now.time, self._reason(before, now)) if self.number else None
@@ -98,12 +98,7 @@ class EpisodeTracker:
 
 
 def _jumped(before: Snapshot, now: Snapshot) -> bool:
-    """Tell whether somebody, or the ball, is where he cannot have gone."""
-    cycles = now.time - before.time
-    if math.hypot(now.ball[0] - before.ball[0], now.ball[1] - before.ball[1]) > _BALL_STEP * cycles:
-        return True
+    """Tell whether a player is where he cannot have gone."""
+    reach = _PLAYER_STEP * (now.time - before.time)
     places = {p.id: p for p in before.players}
-    return any(
-        p.id in places and math.hypot(p.x - places[p.id].x, p.y - places[p.id].y) > _PLAYER_STEP * cycles
-        for p in now.players
-    )
+    return any(p.id in places and math.hypot(p.x - places[p.id].x, p.y - places[p.id].y) > reach for p in now.players)
