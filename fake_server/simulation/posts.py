@@ -93,10 +93,10 @@ def move_past_posts(
         # It was put or pushed there: out to the edge.
         touched = True
         nx, ny = x - cx, y - cy
-        if nx == 0.0 and ny == 0.0:
+        if math.hypot(nx, ny) < _EPS:
             angle = uniform(rng, -math.pi, math.pi)
             nx, ny = math.cos(angle), math.sin(angle)
-        scale = radius * (1.0 + 1e-12) / max(math.hypot(nx, ny), _EPS)
+        scale = radius * (1.0 + 1e-12) / math.hypot(nx, ny)
         x, y = cx + nx * scale, cy + ny * scale
         vx, vy = _reflected(vx, vy, nx, ny)
     dx, dy = vx, vy
