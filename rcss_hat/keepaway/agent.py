@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from rcss_hat.keepaway.getting_open import open_grid
 from rcss_hat.keepaway.keeper import (
     FIRST,
     FOLLOW_THROUGH,
@@ -20,7 +21,7 @@ from rcss_hat.keepaway.keeper import (
 )
 from rcss_hat.keepaway.taker import taker_acts
 from rcss_hat.numeric import rng
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.bodily import feel
 from rcss_hat.player.fastest import current_fastest_opponent, fastest_is_current
 from rcss_hat.player.hearing import listen, speak
@@ -104,12 +105,15 @@ def _tabulate(agent: Record, params: Record) -> None:
     cycles = np.arange(N_AHEAD)
     player, ball = float(params["player_decay"][0]), float(params["ball_decay"][0])
     agent["kick_dist"] = params["player_size"] + params["ball_size"] + params["kickable_margin"]
-    agent["roll"] = (1.0 - player ** cycles[:5]) / (1.0 - player)
+    agent["roll"] = (1.0 - player**cycles) / (1.0 - player)
     agent["first_share"][0, 1:] = (1.0 - player) / (1.0 - player ** cycles[1:])
     agent["ball_roll"] = (1.0 - ball**cycles) / (1.0 - ball)
+    push = float(params["maxpower"][0] * params["dash_power_rate"][0])
+    agent["sprint"] = push * np.cumsum((1.0 - player**cycles) / (1.0 - player))
+    agent["grid"] = open_grid(float(params["keepaway_length"][0]), float(params["keepaway_width"][0]))
 
 
-@njit
+@kernel
 def _forget(agent: Record) -> None:
     """Forget where everybody is: they have been moved."""
     agent["ball_seen"][0] = NEVER
@@ -120,7 +124,7 @@ def _forget(agent: Record) -> None:
     agent["top_other"][0] = OPPONENTS + agent["n_other"][0]
 
 
-@njit
+@kernel
 def perceive(
     agent: Record, params: Record, sense: Record, see: Record, has_see: bool, heard: Record, episode_started: bool
 ) -> None:
@@ -161,7 +165,7 @@ def perceive(
     _guess_ending(agent, params)
 
 
-@njit
+@kernel
 def _guess_ending(agent: Record, params: Record) -> None:
     """Guess how an episode that ends with the next step would end."""
     x, y = ball_after(agent, params, 1)
@@ -169,7 +173,7 @@ def _guess_ending(agent: Record, params: Record) -> None:
     agent["taken_guess"][0] = inside
 
 
-@njit
+@kernel
 def decide(agent: Record, params: Record, state_out: NDArray[np.float64]) -> int:
     """Find out whether a keeper's policy has to be asked.
 
@@ -193,7 +197,7 @@ def decide(agent: Record, params: Record, state_out: NDArray[np.float64]) -> int
     return keeper_decides(agent, state_out)
 
 
-@njit
+@kernel
 def act(agent: Record, params: Record, choice: int, action_out: Record) -> None:
     """Choose and remember the commands of this cycle.
 

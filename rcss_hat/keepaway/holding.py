@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.geometry import direction_to, sign
 from rcss_hat.player.kicking import kick_close, kick_to
 from rcss_hat.player.motion import ball_after, own_state_after, turn_body_moment
@@ -26,7 +26,7 @@ PASS_END_SPEED = 1.2
 """Speed with which a pass shall arrive (m/cycle)."""
 
 
-@njit
+@kernel
 def hold_ball(agent: Record, params: Record, part: float) -> tuple[int, float, float]:
     """Keep the ball for a cycle, away from the nearest opponent (holdBall of the UT Austin players).
 
@@ -61,7 +61,7 @@ def hold_ball(agent: Record, params: Record, part: float) -> tuple[int, float, f
     return KICK, power, direction
 
 
-@njit
+@kernel
 def pass_ball(agent: Record, params: Record, action: int) -> tuple[int, float, float]:
     """Pass to the keeper who is the action-th nearest to oneself, where it is now.
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rcss_hat.keepaway.getting_open import get_open
 from rcss_hat.keepaway.holding import KEEPER_HOLD, hold_ball, pass_ball
 from rcss_hat.keepaway.state import state_variables
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.fastest import current_fastest_teammate
 from rcss_hat.player.interception import intercept
 from rcss_hat.player.motion import ball_after
@@ -23,7 +23,7 @@ NO_DECISION, UNKNOWN, FOLLOW_THROUGH, FIRST, STEP = range(5)
 NO_ACTION = -1
 
 
-@njit
+@kernel
 def keeper_decides(agent: Record, state: NDArray[np.float64]) -> int:
     """Find out whether the policy has to be asked, and end the episode before if there is one to end."""
     now = agent["now"][0]
@@ -44,7 +44,7 @@ def keeper_decides(agent: Record, state: NDArray[np.float64]) -> int:
     return status
 
 
-@njit
+@kernel
 def _with_ball(agent: Record, state: NDArray[np.float64], now: int) -> int:
     if not state_variables(agent, state):
         return UNKNOWN
@@ -57,7 +57,7 @@ def _with_ball(agent: Record, state: NDArray[np.float64], now: int) -> int:
     return STEP
 
 
-@njit
+@kernel
 def keeper_acts(agent: Record, params: Record, choice: int) -> None:
     """Plan a keeper's commands."""
     status = agent["status"][0]
@@ -89,7 +89,7 @@ def keeper_acts(agent: Record, params: Record, choice: int) -> None:
     agent["plan_neck"][0] = turn_neck_to(agent, params, x, y, kind, a)
 
 
-@njit
+@kernel
 def plan(agent: Record, kind: int, a: float, b: float) -> None:
     """Note the body command of this cycle, not yet truncated."""
     agent["plan_kind"][0] = kind
@@ -97,7 +97,7 @@ def plan(agent: Record, kind: int, a: float, b: float) -> None:
     agent["plan_b"][0] = b
 
 
-@njit
+@kernel
 def plan_search(agent: Record, params: Record) -> None:
     """Search the ball with the neck in line with the body."""
     kind, a = search_ball(agent, params)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.geometry import direction_to, in_cone, in_interval, sign
 from rcss_hat.player.motion import turn_body_moment
 from rcss_hat.player.moving import move_to
@@ -30,7 +30,7 @@ SIDEWAYS = 80.0
 """Standing there, the body is turned so far off the marked player (degrees)."""
 
 
-@njit
+@kernel
 def most_open_opponent(agent: Record, holder: int) -> int:
     """Opponent whose pass lane from the holder has the fewest takers in it: slot or NOBODY."""
     from_x, from_y = -1000.0, -1000.0
@@ -51,7 +51,7 @@ def most_open_opponent(agent: Record, holder: int) -> int:
     return best
 
 
-@njit
+@kernel
 def mark(agent: Record, params: Record, opponent: int) -> tuple[int, float]:
     """Stand between an opponent and the ball.
 

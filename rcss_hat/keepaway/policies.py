@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric import rng
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 
 HOLD_ACTION = 0
 SAFE_DISTANCE = 5.0
@@ -16,19 +16,19 @@ DISTANCE_WEIGHT = 4.0
 """Degrees of pass angle that 1 m of distance to the receiver's nearest taker is worth."""
 
 
-@njit
+@kernel
 def hold() -> int:
     """Hold, always."""
     return HOLD_ACTION
 
 
-@njit
+@kernel
 def random_action(stream: NDArray[np.uint64], n_actions: int) -> int:
     """Draw every action with the same probability, anew at every decision."""
     return rng.integer(stream, n_actions)
 
 
-@njit
+@kernel
 def hand(state: NDArray[np.float64], n_keepers: int, n_takers: int) -> int:
     """Choose by the hand-coded rule of Stone, Sutton and Kuhlmann (Adaptive Behavior 2005).
 

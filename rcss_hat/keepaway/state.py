@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import RAD
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.objects import closest_teammate, sort_by_distance
 from rcss_hat.player.records import NOBODY, OPPONENTS
 
@@ -51,14 +51,14 @@ def state_ranges(n_keepers: int, n_takers: int) -> NDArray[np.float64]:
     )
 
 
-@njit
+@kernel
 def _angle(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Angle (degrees) at (x, y) between the directions to two points."""
     ux, uy, wx, wy = ax - x, ay - y, bx - x, by - y
     return math.atan2(abs(ux * wy - uy * wx), ux * wx + uy * wy) * RAD
 
 
-@njit
+@kernel
 def state_variables(agent: Record, state: NDArray[np.float64]) -> bool:
     """Compute the state variables as a keeper believes them to be.
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from rcss_hat.keepaway.holding import TAKER_HOLD, hold_ball
 from rcss_hat.keepaway.keeper import plan, plan_search
 from rcss_hat.keepaway.marking import mark, most_open_opponent
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.fastest import current_fastest_opponent
 from rcss_hat.player.interception import intercept
 from rcss_hat.player.motion import ball_after, turn_body_moment
@@ -25,7 +25,7 @@ from rcss_hat.protocol.records import TURN
 Record = NDArray[np.void]
 
 
-@njit
+@kernel
 def taker_acts(agent: Record, params: Record) -> None:
     """Plan a taker's commands."""
     agent["plan_turns_neck"][0] = 1
@@ -55,7 +55,7 @@ def taker_acts(agent: Record, params: Record) -> None:
     agent["plan_neck"][0] = turn_neck_to(agent, params, next_x, next_y, kind, a)
 
 
-@njit
+@kernel
 def _chases(agent: Record, bx: float, by: float) -> bool:
     """Tell whether this taker is first or second at the ball.
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.fastest import current_fastest_opponent
 from rcss_hat.player.geometry import direction_to, sign
 from rcss_hat.player.kicking import ball_after_kick
-from rcss_hat.player.motion import face, limited
+from rcss_hat.player.motion import face, limited, sensed_velocity
 from rcss_hat.player.objects import closest_opponent, closest_other, is_known
 from rcss_hat.player.records import NEVER, OPPONENTS
 from rcss_hat.protocol.records import COUNT_DASH, COUNT_KICK, COUNT_TURN, COUNT_TURN_NECK, DASH, KICK, N_COUNTS, TURN
@@ -24,7 +24,7 @@ _SEEN_STILL = 0.08
 """A speed component that may be rounding only (m/cycle)."""
 
 
-@njit
+@kernel
 def feel(agent: Record, params: Record, sense: Record, others: bool) -> None:
     """Apply a sense_body message.
 
@@ -58,7 +58,7 @@ def feel(agent: Record, params: Record, sense: Record, others: bool) -> None:
         move_teammates(agent, params)
 
 
-@njit
+@kernel
 def _confirmed(agent: Record, sense: Record) -> tuple[bool, bool, bool, bool]:
     """Which of the commands last given the server has executed: dash, turn, kick, turn_neck."""
     counts, new = agent["counts"], sense["counts"]
@@ -80,7 +80,7 @@ def _confirmed(agent: Record, sense: Record) -> tuple[bool, bool, bool, bool]:
     )
 
 
-@njit
+@kernel
 def roll_ball(agent: Record, params: Record) -> None:
     """Let the ball roll one cycle; it stops next to an opponent who can kick it."""
     x, y = agent["ball_pos"][0, 0], agent["ball_pos"][0, 1]
@@ -98,7 +98,7 @@ def roll_ball(agent: Record, params: Record) -> None:
     set_ball(agent, x, y, vx, vy)
 
 
-@njit
+@kernel
 def set_ball(agent: Record, x: float, y: float, vx: float, vy: float) -> None:
     """Believe in a position (m) and velocity (m/cycle) of the ball; slower than 0.1 mm/cycle is at rest."""
     if vx * vx + vy * vy < _STILL * _STILL:
@@ -109,7 +109,7 @@ def set_ball(agent: Record, x: float, y: float, vx: float, vy: float) -> None:
     agent["ball_vel"][0, 1] = vy
 
 
-@njit
+@kernel
 def _roll_kicked_ball(agent: Record, params: Record) -> None:
     dx, dy = agent["ball_pos"][0, 0] - agent["pos"][0, 0], agent["ball_pos"][0, 1] - agent["pos"][0, 1]
     if dx * dx + dy * dy >= agent["kick_dist"][0] ** 2:
@@ -119,7 +119,7 @@ def _roll_kicked_ball(agent: Record, params: Record) -> None:
     set_ball(agent, x, y, vx, vy)
 
 
-@njit
+@kernel
 def _move_self(agent: Record, params: Record, dashed: bool, turned: bool, neck_turned: bool) -> bool:
     """Own pose one cycle on: from the sensed speed, or after a collision (then True) from the command given."""
     decay = params["player_decay"][0]
@@ -133,18 +133,17 @@ def _move_self(agent: Record, params: Record, dashed: bool, turned: bool, neck_t
         neck += agent["sent_a"][0] / (1.0 + params["inertia_moment"][0] * speed / decay)
     if _collided(agent, params, dashed, turned, before):
         return True
-    way = (neck + agent["speed_direction"][0]) * DEG
-    vx, vy = speed * math.cos(way), speed * math.sin(way)
+    face(agent, neck)
+    vx, vy = sensed_velocity(agent)
     rolled_x, rolled_y = limited(vx / decay, vy / decay, params["player_speed_max"][0])
     agent["pos"][0, 0] += rolled_x
     agent["pos"][0, 1] += rolled_y
     agent["vel"][0, 0] = rolled_x * decay
     agent["vel"][0, 1] = rolled_y * decay
-    face(agent, neck)
     return False
 
 
-@njit
+@kernel
 def _collided(agent: Record, params: Record, dashed: bool, turned: bool, neck: float) -> bool:
     """Find out whether the player ran into something; if so set pose and ball accordingly.
 
@@ -200,7 +199,7 @@ def _collided(agent: Record, params: Record, dashed: bool, turned: bool, neck: f
     return True
 
 
-@njit
+@kernel
 def move_opponents(agent: Record, params: Record) -> None:
     """Guess where the opponents went: the fastest to the ball towards it, the others along with the ball's x."""
     now = agent["now"][0]
@@ -226,7 +225,7 @@ def move_opponents(agent: Record, params: Record) -> None:
         agent["player_time"][0, o] = now
 
 
-@njit
+@kernel
 def move_teammates(agent: Record, params: Record) -> None:
     """Let team mates roll. Number 1 stays where it is: the UT Austin base code takes it for the goalkeeper."""
     now = agent["now"][0]

@@ -8,19 +8,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.player.motion import (
     TURN_AROUND_DISTANCE,
     after_dash,
     after_turn,
     ball_after,
-    dash_power,
+    dash_acceleration,
     needs_turn,
     planned_turn,
+    strongest_dash,
     to_body,
 )
 from rcss_hat.player.objects import is_known
-from rcss_hat.player.records import NOBODY, NOT_COMPUTED, OPPONENTS
+from rcss_hat.player.records import N_AHEAD, NOBODY, NOT_COMPUTED, OPPONENTS
 
 Record = NDArray[np.void]
 
@@ -30,11 +31,13 @@ NOT_IN_TIME = 100
 """Cycles of a player who cannot make it."""
 FRESH = 3
 """Cycles after which a seen velocity and body angle count as forgotten."""
+_ASSUMED_SPEED = 0.3
+"""Speed of players whose motion is forgotten, towards wherever they go (m/cycle)."""
 _COS_20 = math.cos(20.0 * DEG)
 _MOST_MOVES = 60
 
 
-@njit
+@kernel
 def cycles_for_distance(agent: Record, params: Record, distance: float, speed: float) -> int:
     """Cycles to run straight until a point is within kicking reach.
 
@@ -46,22 +49,37 @@ def cycles_for_distance(agent: Record, params: Record, distance: float, speed: f
     speed : float
         Along the way, after decay (m/cycle).
     """
-    reach, decay = agent["kick_dist"][0], params["player_decay"][0]
+    left, decay, top = distance - agent["kick_dist"][0], params["player_decay"][0], params["player_speed_max"][0]
+    if left <= 0.0:
+        return 0
     push = params["maxpower"][0] * params["dash_power_rate"][0]
-    top = params["player_speed_max"][0]
-    cycles, before = 0, -1.0
-    while distance > reach and (abs(speed - before) > 1e-4 or speed < 0.3) and cycles < 40:
-        before = speed
+    stride = push / (1.0 - decay)
+    if stride > top or speed + push > top:
+        return _capped_cycles(left, speed, push, decay, top)
+    # Rolling on from the first speed plus a sprint from rest: about a stride per cycle, less what the start costs.
+    sprint, roll = agent["sprint"], agent["roll"]
+    cycles = int(left / stride)
+    cycles = max(1, min(cycles, N_AHEAD - 2))
+    while cycles > 1 and sprint[0, cycles - 1] + speed * roll[0, cycles - 1] >= left:
+        cycles -= 1
+    while cycles < N_AHEAD - 1 and sprint[0, cycles] + speed * roll[0, cycles] < left:
+        cycles += 1
+    return cycles
+
+
+@kernel
+def _capped_cycles(left: float, speed: float, push: float, decay: float, top: float) -> int:
+    """Cycles to run a distance when full dashes reach the speed limit."""
+    cycles = 0
+    while left > 0.0 and cycles < NOT_IN_TIME:
         speed = min(speed + push, top)
-        distance = max(0.0, distance - speed)
+        left -= speed
         speed *= decay
         cycles += 1
-    if distance > reach:
-        cycles += int(math.ceil((distance - reach) / (speed / decay)))
-    return max(0, cycles)
+    return cycles
 
 
-@njit
+@kernel
 def head_start(agent: Record, slot: int) -> int:
     """Cycles (0 or negative) since the information on another player's motion, which it has used to run."""
     now = agent["now"][0]
@@ -74,7 +92,7 @@ def head_start(agent: Record, slot: int) -> int:
     return start
 
 
-@njit
+@kernel
 def cycles_to_point(agent: Record, params: Record, slot: int, x: float, y: float) -> int:
     """Cycles until a player can kick a ball that lies at a point.
 
@@ -90,7 +108,7 @@ def cycles_to_point(agent: Record, params: Record, slot: int, x: float, y: float
         return _own_cycles(agent, params, x, y, dx / distance, dy / distance)
     cycles = head_start(agent, slot)
     if agent["player_change"][0, slot] - agent["now"][0] < -FRESH:
-        return cycles + cycles_for_distance(agent, params, distance, 0.3)
+        return cycles + cycles_for_distance(agent, params, distance, _ASSUMED_SPEED)
     body = agent["player_see_body"][0, slot] * DEG
     c, s = math.cos(body), math.sin(body)
     forward, side = dx * c + dy * s, dy * c - dx * s
@@ -105,7 +123,7 @@ def cycles_to_point(agent: Record, params: Record, slot: int, x: float, y: float
     return cycles + cycles_for_distance(agent, params, math.sqrt(distance2), v_forward)
 
 
-@njit
+@kernel
 def _turn_to(
     agent: Record,
     params: Record,
@@ -124,7 +142,7 @@ def _turn_to(
         Cycles taken; target and velocity in the new body frame.
     """
     reach2 = agent["kick_dist"][0] ** 2
-    rate = params["dash_power_rate"][0] * agent["effort"][0]
+    strongest = strongest_dash(agent, params)
     cycles = 0
     while cycles < _MOST_MOVES:
         if needs_turn(agent, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE):
@@ -135,17 +153,17 @@ def _turn_to(
             goal_forward, goal_side = goal_forward * c + goal_side * s, goal_side * c - goal_forward * s
             forward, side, v_forward, v_side = after_turn(params, moment, forward, side, v_forward, v_side)
         else:
-            power = dash_power(agent, params, forward, v_forward, 1)
-            if power >= 0.0 or goal_forward >= _COS_20:
+            acceleration = dash_acceleration(agent, params, forward, v_forward, 1, strongest)
+            if acceleration >= 0.0 or goal_forward >= _COS_20:
                 break
-            forward, side, v_forward, v_side = after_dash(params, power * rate, forward, side, v_forward, v_side)
+            forward, side, v_forward, v_side = after_dash(params, acceleration, forward, side, v_forward, v_side)
         cycles += 1
         if forward * forward + side * side < reach2:
             break
     return cycles, forward, side, v_forward, v_side
 
 
-@njit
+@kernel
 def _own_cycles(agent: Record, params: Record, x: float, y: float, goal_x: float, goal_y: float) -> int:
     forward, side = to_body(agent, x - agent["pos"][0, 0], y - agent["pos"][0, 1])
     v_forward, v_side = to_body(agent, agent["vel"][0, 0], agent["vel"][0, 1])
@@ -154,43 +172,59 @@ def _own_cycles(agent: Record, params: Record, x: float, y: float, goal_x: float
         agent, params, forward, side, v_forward, v_side, goal_forward, goal_side
     )
     reach2 = agent["kick_dist"][0] ** 2
-    rate = params["dash_power_rate"][0] * agent["effort"][0]
+    strongest = strongest_dash(agent, params)
     while forward * forward + side * side > reach2 and cycles < NOT_IN_TIME:
         if needs_turn(agent, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE):
             moment = planned_turn(agent, params, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE)
             forward, side, v_forward, v_side = after_turn(params, moment, forward, side, v_forward, v_side)
         else:
-            acceleration = dash_power(agent, params, forward, v_forward, 1) * rate
+            acceleration = dash_acceleration(agent, params, forward, v_forward, 1, strongest)
             forward, side, v_forward, v_side = after_dash(params, acceleration, forward, side, v_forward, v_side)
         cycles += 1
     return cycles
 
 
-@njit
-def _may_reach(agent: Record, params: Record, slot: int, x: float, y: float, cycles: int) -> bool:
-    """Tell whether a player could possibly be at a point in some cycles: a bound, so that few need a prediction.
+@kernel
+def _measure_reach(agent: Record, params: Record, first: int, end: int) -> None:
+    """Note how far some players could have come at most, so that few need a prediction.
 
-    Nobody covers more than its first speed's roll and then, per cycle, the final speed of full dashes.
+    ``agent["distance"]`` gets the distance beyond a sprint from rest (m; negative: unknown player), ``agent["order"]``
+    the cycles they have been running already.
     """
+    decay, reach = params["player_decay"][0], agent["kick_dist"][0]
+    me = agent["me"][0]
+    for o in range(first, end):
+        if not is_known(agent, o):
+            agent["distance"][0, o] = -1.0
+            continue
+        if o == me:
+            vx, vy = agent["vel"][0, 0], agent["vel"][0, 1]
+            # Being near where it was last seen counts as being there.
+            extra = 2.0 * reach
+            agent["order"][0, o] = 0
+        else:
+            vx, vy = agent["player_see_vel"][0, o, 0], agent["player_see_vel"][0, o, 1]
+            extra = reach
+            agent["order"][0, o] = -head_start(agent, o)
+        speed = max(math.sqrt(vx * vx + vy * vy), _ASSUMED_SPEED)
+        agent["distance"][0, o] = extra + speed / (1.0 - decay)
+
+
+@inlined
+def _may_reach(agent: Record, slot: int, x: float, y: float, cycles: int) -> bool:
+    """Tell whether a player could possibly be at a point in some cycles, after `_measure_reach`."""
+    run = cycles + agent["order"][0, slot]
+    if run < 0:
+        run = 0
+    most = agent["distance"][0, slot] + agent["sprint"][0, min(run, N_AHEAD - 1)]
     if slot == agent["me"][0]:
         dx, dy = x - agent["pos"][0, 0], y - agent["pos"][0, 1]
-        vx, vy = agent["vel"][0, 0], agent["vel"][0, 1]
-        # Already within reach of where it was last seen?
-        sx, sy = x - agent["player_see_pos"][0, slot, 0], y - agent["player_see_pos"][0, slot, 1]
-        if sx * sx + sy * sy < agent["kick_dist"][0] ** 2:
-            return True
     else:
         dx, dy = x - agent["player_see_pos"][0, slot, 0], y - agent["player_see_pos"][0, slot, 1]
-        vx, vy = agent["player_see_vel"][0, slot, 0], agent["player_see_vel"][0, slot, 1]
-        cycles -= head_start(agent, slot)
-    decay = params["player_decay"][0]
-    stride = params["maxpower"][0] * params["dash_power_rate"][0] / (1.0 - decay)
-    roll = (math.sqrt(vx * vx + vy * vy) + 0.3) / (1.0 - decay)
-    most = agent["kick_dist"][0] + roll + stride * cycles
     return dx * dx + dy * dy <= most * most
 
 
-@njit
+@kernel
 def _fewest_cycles(
     agent: Record, params: Record, first: int, end: int, x: float, y: float, cycles: int
 ) -> tuple[int, int]:
@@ -198,18 +232,17 @@ def _fewest_cycles(
     best, fewest = NOBODY, NOT_IN_TIME
     most = params["player_speed_max"][0] * (cycles + 1)
     for o in range(end - 1, first - 1, -1):
-        if not is_known(agent, o):
+        if agent["distance"][0, o] < 0.0 or not _may_reach(agent, o, x, y, cycles):
             continue
         dx, dy = agent["player_pos"][0, o, 0] - x, agent["player_pos"][0, o, 1] - y
-        if dx * dx + dy * dy >= most * most or not _may_reach(agent, params, o, x, y, cycles):
-            continue
-        n = cycles_to_point(agent, params, o, x, y)
-        if n < fewest:
-            best, fewest = o, n
+        if dx * dx + dy * dy < most * most:
+            n = cycles_to_point(agent, params, o, x, y)
+            if n < fewest:
+                best, fewest = o, n
     return best, fewest
 
 
-@njit
+@kernel
 def _first_at(agent: Record, params: Record, first: int, end: int, x: float, y: float) -> int:
     """Who of some slots is first at a point where the ball lies: slot or NOBODY."""
     best, fewest = NOBODY, NOT_IN_TIME
@@ -223,13 +256,15 @@ def _first_at(agent: Record, params: Record, first: int, end: int, x: float, y: 
     return best
 
 
-@njit
+@kernel
 def fastest_teammate(agent: Record, params: Record) -> int:
     """Player of the own team, oneself included, who is first at the ball: slot or NOBODY.
 
     When an opponent is first, it is the one who is first at the point where that opponent gets the ball.
     """
     own, other = agent["top_own"][0], agent["top_other"][0]
+    _measure_reach(agent, params, 0, own)
+    _measure_reach(agent, params, OPPONENTS, other)
     for cycles in range(HORIZON + 1):
         x, y = ball_after(agent, params, cycles)
         best, fewest = _fewest_cycles(agent, params, 0, own, x, y, cycles)
@@ -244,10 +279,11 @@ def fastest_teammate(agent: Record, params: Record) -> int:
     return _in_the_end(agent, params, 0, own, x, y)
 
 
-@njit
+@kernel
 def fastest_opponent(agent: Record, params: Record) -> int:
     """Opponent who is first at the ball: slot or NOBODY."""
     end = agent["top_other"][0]
+    _measure_reach(agent, params, OPPONENTS, end)
     for cycles in range(HORIZON + 1):
         x, y = ball_after(agent, params, cycles)
         best, fewest = _fewest_cycles(agent, params, OPPONENTS, end, x, y, cycles)
@@ -257,7 +293,7 @@ def fastest_opponent(agent: Record, params: Record) -> int:
     return _in_the_end(agent, params, OPPONENTS, end, x, y)
 
 
-@njit
+@kernel
 def _in_the_end(agent: Record, params: Record, first: int, end: int, x: float, y: float) -> int:
     """Who takes fewest cycles to the end of the horizon, though nobody makes it in time: slot or NOBODY."""
     best, fewest = NOBODY, NOT_IN_TIME
@@ -273,7 +309,7 @@ def _in_the_end(agent: Record, params: Record, first: int, end: int, x: float, y
     return best
 
 
-@njit
+@kernel
 def current_fastest_teammate(agent: Record, params: Record) -> int:
     """Return `fastest_teammate`, computed once per news: slot or NOBODY."""
     _renew(agent)
@@ -282,7 +318,7 @@ def current_fastest_teammate(agent: Record, params: Record) -> int:
     return agent["fast_own"][0]
 
 
-@njit
+@kernel
 def current_fastest_opponent(agent: Record, params: Record) -> int:
     """Return `fastest_opponent`, computed once per news: slot or NOBODY."""
     _renew(agent)
@@ -291,13 +327,13 @@ def current_fastest_opponent(agent: Record, params: Record) -> int:
     return agent["fast_other"][0]
 
 
-@njit
+@kernel
 def fastest_is_current(agent: Record) -> bool:
     """Tell whether nothing new was seen or heard since `fastest_teammate` was last asked for."""
     return agent["fast_see"][0] == agent["see_time"][0] and agent["fast_hear"][0] == agent["hear_time"][0]
 
 
-@njit
+@kernel
 def _renew(agent: Record) -> None:
     if not fastest_is_current(agent):
         agent["fast_see"][0] = agent["see_time"][0]
@@ -306,7 +342,7 @@ def _renew(agent: Record) -> None:
         agent["fast_other"][0] = NOT_COMPUTED
 
 
-@njit
+@kernel
 def cycles_to_ball(agent: Record, params: Record, slot: int) -> int:
     """Cycles until another player has the ball, wherever it rolls; 101 for NOBODY."""
     if slot < 0:
@@ -318,7 +354,8 @@ def cycles_to_ball(agent: Record, params: Record, slot: int) -> int:
     vx, vy = agent["ball_vel"][0, 0], agent["ball_vel"][0, 1]
     if vx * vx + vy * vy < 0.01 * 0.01:
         return cycles_to_point(agent, params, slot, bx, by)
-    cycles, needed = 0, NOT_IN_TIME
+    _measure_reach(agent, params, slot, slot + 1)
+    cycles, needed, guessed = 0, NOT_IN_TIME, False
     x, y = 0.0, 0.0
     before_x, before_y = -1000.0, -1000.0
     while cycles <= needed and cycles < HORIZON and (x - before_x) ** 2 + (y - before_y) ** 2 > 1e-8:
@@ -327,5 +364,7 @@ def cycles_to_ball(agent: Record, params: Record, slot: int) -> int:
         x, y = ball_after(agent, params, cycles)
         dx, dy = agent["player_pos"][0, slot, 0] - x, agent["player_pos"][0, slot, 1] - y
         if math.sqrt(dx * dx + dy * dy) < params["player_speed_max"][0] * (cycles + 1):
-            needed = cycles_to_point(agent, params, slot, x, y)
-    return needed
+            # Out of reach in fewer cycles means: the search goes on, whatever the exact number is.
+            guessed = not _may_reach(agent, slot, x, y, cycles - 1)
+            needed = cycles if guessed else cycles_to_point(agent, params, slot, x, y)
+    return cycles_to_point(agent, params, slot, x, y) if guessed else needed

@@ -7,31 +7,31 @@ import math
 import numpy as np
 
 from rcss_hat.numeric.angles import DEG, RAD, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 
 _WHOLE = np.arange(-360, 361) * DEG
 _COS, _SIN = np.cos(_WHOLE), np.sin(_WHOLE)
 
 
-@njit
+@inlined
 def whole_cos(degrees: float) -> float:
     """Cosine of whole degrees in [-360, 360]."""
     return _COS[int(degrees) + 360]
 
 
-@njit
+@inlined
 def whole_sin(degrees: float) -> float:
     """Sine of whole degrees in [-360, 360]."""
     return _SIN[int(degrees) + 360]
 
 
-@njit
+@inlined
 def sign(value: float) -> float:
     """Return +1 for positive values, otherwise -1: also for 0, as the UT Austin players do."""
     return 1.0 if value > 0.0 else -1.0
 
 
-@njit
+@kernel
 def direction_to(dx: float, dy: float) -> float:
     """Direction of a vector in degrees; 0 for vectors shorter than 0.1 mm in both components."""
     if abs(dx) < 1e-4 and abs(dy) < 1e-4:
@@ -39,13 +39,13 @@ def direction_to(dx: float, dy: float) -> float:
     return math.atan2(dy, dx) * RAD
 
 
-@njit
+@kernel
 def turn_between(start: float, end: float) -> float:
     """Angle from one direction to another, degrees in (-180, 180]."""
     return normalize_degrees(end - start)
 
 
-@njit
+@kernel
 def in_interval(angle: float, low: float, high: float) -> bool:
     """Tell whether a direction lies between two others, going clockwise from low to high."""
     angle %= 360.0
@@ -56,7 +56,7 @@ def in_interval(angle: float, low: float, high: float) -> bool:
     return not high < angle < low
 
 
-@njit
+@inlined
 def in_cone(x: float, y: float, from_x: float, from_y: float, to_x: float, to_y: float, width: float) -> bool:
     """Tell whether a point lies in a cone that opens from one point towards another.
 

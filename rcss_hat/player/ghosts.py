@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.geometry import direction_to
 from rcss_hat.player.objects import ball_distance, closest_opponent, is_known
 from rcss_hat.player.records import NEVER, OPPONENTS
@@ -25,7 +25,7 @@ SURE_VIEW = 0.65 * HALF_VIEW
 _EDGE = 20.0
 
 
-@njit
+@kernel
 def remove_ghosts(agent: Record, params: Record) -> None:
     """Correct the beliefs about ball and players that the see message just applied did not show."""
     time = agent["see_time"][0]
@@ -40,13 +40,13 @@ def remove_ghosts(agent: Record, params: Record) -> None:
                 agent["player_seen"][0, o] = NEVER
 
 
-@njit
+@kernel
 def _view_angle(agent: Record, x: float, y: float) -> float:
     """Direction of a point relative to the face (degrees)."""
     return normalize_degrees(direction_to(x - agent["pos"][0, 0], y - agent["pos"][0, 1]) - agent["neck"][0])
 
 
-@njit
+@kernel
 def _ball(agent: Record, params: Record) -> None:
     x, y = agent["ball_pos"][0, 0], agent["ball_pos"][0, 1]
     near = ball_distance(agent) < 0.9 * params["visible_distance"][0]
@@ -70,13 +70,13 @@ def _ball(agent: Record, params: Record) -> None:
             agent["ball_seen"][0] = NEVER
 
 
-@njit
+@kernel
 def _ball_to(agent: Record, slot: int) -> None:
     agent["ball_pos"][0, 0] = agent["player_pos"][0, slot, 0]
     agent["ball_pos"][0, 1] = agent["player_pos"][0, slot, 1]
 
 
-@njit
+@kernel
 def _opponent(agent: Record, params: Record, o: int) -> None:
     px, py = agent["pos"][0, 0], agent["pos"][0, 1]
     x, y = agent["player_pos"][0, o, 0], agent["player_pos"][0, o, 1]
@@ -92,7 +92,7 @@ def _opponent(agent: Record, params: Record, o: int) -> None:
         _put(agent, o, params["visible_distance"][0], way)
 
 
-@njit
+@kernel
 def _step_aside(agent: Record, params: Record, o: int, angle: float, distance: float) -> float:
     """Put an opponent to that edge of the view to which it is nearer, if it can have come there; its distance (m)."""
     x, y = agent["player_pos"][0, o, 0], agent["player_pos"][0, o, 1]
@@ -108,7 +108,7 @@ def _step_aside(agent: Record, params: Record, o: int, angle: float, distance: f
     return distance
 
 
-@njit
+@kernel
 def _put(agent: Record, o: int, distance: float, way: float) -> None:
     agent["player_pos"][0, o, 0] = agent["pos"][0, 0] + distance * math.cos(way)
     agent["player_pos"][0, o, 1] = agent["pos"][0, 1] + distance * math.sin(way)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.bodily import set_ball
 from rcss_hat.player.kicking import ball_after_kick
 from rcss_hat.player.motion import own_state_after, roll_out
@@ -39,19 +39,19 @@ OWN_POSITION_MEMORY = 7
 """Cycles for which the own position is worth telling (confidence above 0.92)."""
 
 
-@njit
+@kernel
 def encode(value: float, span: float) -> int:
     """Symbol of a value in [-span/2, span/2); values beyond get the first or last symbol."""
     return _SYMBOLS[min(max(int((value + 0.5 * span) / span * N_SYMBOLS), 0), N_SYMBOLS - 1)]
 
 
-@njit
+@kernel
 def decode(symbol: int, span: float) -> float:
     """Value of a symbol: the lower edge of its cell."""
     return _VALUES[symbol] / N_SYMBOLS * span - 0.5 * span
 
 
-@njit
+@kernel
 def speak(agent: Record, params: Record, kind: int, a: float, b: float, action: Record) -> None:
     """Write what there is to say into an action, given the body command of this cycle."""
     action["say_n"][0] = 0
@@ -72,7 +72,7 @@ def speak(agent: Record, params: Record, kind: int, a: float, b: float, action: 
     action["say_n"][0] = n
 
 
-@njit
+@kernel
 def _tell_ball(agent: Record, params: Record, kind: int, a: float, b: float, say: NDArray[np.uint8]) -> int:
     """Write a BallInfo if the ball is seen well or just kicked away; returns the length written."""
     now, distance, reach = agent["now"][0], ball_distance(agent), agent["kick_dist"][0]
@@ -106,7 +106,7 @@ def _tell_ball(agent: Record, params: Record, kind: int, a: float, b: float, say
     return 6
 
 
-@njit
+@kernel
 def _tell_opponent(agent: Record, params: Record, say: NDArray[np.uint8], n: int) -> int:
     """Write an OppPos for the nearest opponent seen in this cycle close by; returns the length of the message."""
     px, py = agent["pos"][0, 0], agent["pos"][0, 1]
@@ -125,7 +125,7 @@ def _tell_opponent(agent: Record, params: Record, say: NDArray[np.uint8], n: int
     return n + 4
 
 
-@njit
+@kernel
 def listen(agent: Record, params: Record, heard: Record) -> None:
     """Take over what a team mate said; a message that does not parse to its end is ignored."""
     text, n = heard["text"][0], heard["n"][0]
@@ -143,7 +143,7 @@ def listen(agent: Record, params: Record, heard: Record) -> None:
         i += _SIZES[unit]
 
 
-@njit
+@kernel
 def _is_language(text: NDArray[np.uint8], n: int) -> bool:
     i = 0
     while i < n:
@@ -159,7 +159,7 @@ def _is_language(text: NDArray[np.uint8], n: int) -> bool:
     return True
 
 
-@njit
+@kernel
 def _hear_ball(agent: Record, params: Record, text: NDArray[np.uint8], i: int) -> None:
     """Believe a BallInfo when the own information is old, or when the ball was kicked far away since."""
     x, y = decode(text[i + 1], X_SPAN), decode(text[i + 2], Y_SPAN)
@@ -183,7 +183,7 @@ def _hear_ball(agent: Record, params: Record, text: NDArray[np.uint8], i: int) -
         agent["hear_time"][0] = now
 
 
-@njit
+@kernel
 def _hear_player(agent: Record, slot: int, text: NDArray[np.uint8], i: int, delay: int) -> None:
     """Believe where a player is if that is newer than the own information.
 

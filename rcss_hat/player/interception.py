@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.player.fastest import HORIZON, NOT_IN_TIME
 from rcss_hat.player.geometry import direction_to
 from rcss_hat.player.motion import (
@@ -22,6 +22,7 @@ from rcss_hat.player.motion import (
     dash_power,
     limited,
     miss_after,
+    needs_turn,
     own_state_after,
     planned_move,
     roll_out,
@@ -44,13 +45,23 @@ FACING = 25.0
 OPPONENT_NEAR = 3.0
 
 
-@njit
+@kernel
 def _outside(x: float, y: float) -> bool:
     """Tell whether a point is not at least 1 m inside the pitch."""
     return abs(x) >= 0.5 * PITCH_LENGTH - 1.0 or abs(y) >= 0.5 * PITCH_WIDTH - 1.0
 
 
-@njit
+@inlined
+def _aim_lies_ahead(agent: Record, has_aim: bool, x: float, y: float, ball_vx: float, ball_vy: float) -> bool:
+    """Tell whether the ball, now at a point, may still pass the point chosen in the cycle before, and fast enough."""
+    speed2 = ball_vx * ball_vx + ball_vy * ball_vy
+    if not has_aim or speed2 <= 0.6 * 0.6:
+        return False
+    past = (x - agent["aim"][0, 0]) * ball_vx + (y - agent["aim"][0, 1]) * ball_vy
+    return past <= 0.0 or past * past <= speed2
+
+
+@kernel
 def _choose_cycle(agent: Record, params: Record) -> int:
     """After how many cycles to meet the ball; NOT_IN_TIME when it cannot be reached within the horizon."""
     has_aim = agent["now"][0] - agent["aim_time"][0] <= AIM_MEMORY
@@ -62,7 +73,9 @@ def _choose_cycle(agent: Record, params: Record) -> int:
     push = params["maxpower"][0] * params["dash_power_rate"][0]
     first, best, old = NOT_IN_TIME, NOT_IN_TIME, _NONE
     nearest_aim, smallest_miss = 100.0, 10.0
-    speed, covered = math.sqrt(vx * vx + vy * vy), 0.0
+    # Farthest the player can have come: running from the start, or turning in the first cycle.
+    speed = math.sqrt(vx * vx + vy * vy)
+    speed_turned, covered, covered_turned = speed, 0.0, 0.0
     before_x, before_y = 0.0, 0.0
     for t in range(HORIZON + 1):
         if t > first + 20 or (t > 0 and _outside(before_x, before_y)):
@@ -73,22 +86,28 @@ def _choose_cycle(agent: Record, params: Record) -> int:
         else:
             ball_vx, ball_vy = x - before_x, y - before_y
             speed = min(speed * decay + push, top) if t > 1 else min(speed + push, top)
+            speed_turned = min(speed_turned * decay + push, top) if t > 1 else speed_turned
             covered += speed
+            covered_turned += speed_turned
         before_x, before_y = x, y
         dx, dy = x - px, y - py
+        if first < NOT_IN_TIME and old == _NONE and not _aim_lies_ahead(agent, has_aim, x, y, ball_vx, ball_vy):
+            return first
         if _outside(x, y) or dx * dx + dy * dy > (covered + reach) ** 2:
             continue
         qx, qy = roll_out(agent, params, min(t, 4))
         if (x - qx) ** 2 + (y - qy) ** 2 > (top * (t + reach)) ** 2:
             continue
         aim_distance = math.sqrt((x - aim_x) ** 2 + (y - aim_y) ** 2)
-        near_aim = (
-            has_aim and aim_distance < min(1.0, nearest_aim) and ball_vx * ball_vx + ball_vy * ball_vy > 0.6 * 0.6
-        )  # fmt: skip
+        fast_enough = ball_vx * ball_vx + ball_vy * ball_vy > 0.6 * 0.6
+        near_aim = has_aim and aim_distance < min(1.0, nearest_aim) and fast_enough
         in_turn = smallest_miss > 0.5 * reach and (t <= best + 3 or t <= old + 3)
         if first < NOT_IN_TIME and not near_aim and not (has_aim and in_turn):
             continue
         forward, side = to_body(agent, dx, dy)
+        if dx * dx + dy * dy > (covered_turned + reach) ** 2:
+            if t > 0 and needs_turn(agent, forward, side, v_forward, v_side, t, TURN_AROUND_DISTANCE):
+                continue
         miss = miss_after(agent, params, forward, side, v_forward, v_side, t)
         if miss >= reach:
             continue
@@ -104,7 +123,7 @@ def _choose_cycle(agent: Record, params: Record) -> int:
     return old if old != _NONE and best <= old + 2 else first
 
 
-@njit
+@kernel
 def intercept(agent: Record, params: Record) -> tuple[int, float]:
     """First command on the way to the ball.
 
@@ -129,7 +148,7 @@ def intercept(agent: Record, params: Record) -> tuple[int, float]:
     return planned_move(agent, params, x, y, cycles, TURN_AROUND_DISTANCE)
 
 
-@njit
+@kernel
 def _gap_after(agent: Record, params: Record, kind: int, amount: float, cycles: int) -> float:
     """Distance (m) between the player one cycle after a command and the ball some cycles ahead."""
     x, y, _, _, _ = own_state_after(agent, params, kind, amount)
@@ -137,14 +156,14 @@ def _gap_after(agent: Record, params: Record, kind: int, amount: float, cycles: 
     return math.sqrt((x - bx) ** 2 + (y - by) ** 2)
 
 
-@njit
+@kernel
 def _dash_towards(agent: Record, params: Record, x: float, y: float) -> float:
     forward, _ = to_body(agent, x - agent["pos"][0, 0], y - agent["pos"][0, 1])
     v_forward, _ = to_body(agent, agent["vel"][0, 0], agent["vel"][0, 1])
     return dash_power(agent, params, forward, v_forward, 1)
 
 
-@njit
+@kernel
 def _one_dash(agent: Record, params: Record) -> tuple[int, float]:
     """A dash that brings the ball into reach in one cycle, if there is one: DASH or NO_COMMAND, and power."""
     bx, by = ball_after(agent, params, 1)
@@ -169,7 +188,7 @@ def _one_dash(agent: Record, params: Record) -> tuple[int, float]:
     return NO_COMMAND, 0.0
 
 
-@njit
+@kernel
 def _collide(agent: Record, params: Record) -> tuple[int, float]:
     """Run into the ball to stop it, if that works within one cycle: a command or NO_COMMAND, and its argument."""
     speed = math.sqrt(agent["ball_vel"][0, 0] ** 2 + agent["ball_vel"][0, 1] ** 2)
@@ -186,7 +205,7 @@ def _collide(agent: Record, params: Record) -> tuple[int, float]:
     return NO_COMMAND, 0.0
 
 
-@njit
+@kernel
 def _wanted_heading(agent: Record) -> float:
     """Where to face when the ball arrives: +x, or the opponents' goal when near it (degrees)."""
     if agent["pos"][0, 0] > 31.0:
@@ -194,7 +213,7 @@ def _wanted_heading(agent: Record) -> float:
     return 0.0
 
 
-@njit
+@kernel
 def meet_close_ball(agent: Record, params: Record) -> tuple[int, float]:
     """What to do when the ball will be here within a few cycles.
 
@@ -231,7 +250,7 @@ def meet_close_ball(agent: Record, params: Record) -> tuple[int, float]:
     return dash, power
 
 
-@njit
+@kernel
 def _turn_first(agent: Record, params: Record, heading: float) -> tuple[bool, bool, float]:
     """Turn to a heading and still be near the ball afterwards, after one or two turns.
 

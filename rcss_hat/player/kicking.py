@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, RAD, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.geometry import direction_to, sign
 from rcss_hat.player.motion import limited, roll_out
 from rcss_hat.player.objects import closest_opponent
@@ -29,7 +29,7 @@ IN_FRONT = 0.16
 """Part of the kickable margin at which the ball lies best for a strong kick."""
 
 
-@njit
+@kernel
 def kick_rate(agent: Record, params: Record) -> float:
     """Speed per power that a kick gives the ball from where it lies (m/cycle)."""
     dx, dy = agent["ball_pos"][0, 0] - agent["pos"][0, 0], agent["ball_pos"][0, 1] - agent["pos"][0, 1]
@@ -40,7 +40,7 @@ def kick_rate(agent: Record, params: Record) -> float:
     return params["kick_power_rate"][0] * (1.0 - 0.25 * angle - 0.25 * gap)
 
 
-@njit
+@kernel
 def ball_after_kick(agent: Record, params: Record, power: float, direction: float) -> tuple[float, float, float, float]:
     """Position (m) and velocity (after decay) of the ball one cycle after a kick, whose numbers get truncated."""
     way = (np.trunc(direction) + agent["body"][0]) * DEG
@@ -54,7 +54,7 @@ def ball_after_kick(agent: Record, params: Record, power: float, direction: floa
     return agent["ball_pos"][0, 0] + vx, agent["ball_pos"][0, 1] + vy, vx * decay, vy * decay
 
 
-@njit
+@kernel
 def _full_kick(agent: Record, params: Record, dx: float, dy: float, rate: float) -> float:
     """Global direction (degrees) of the strongest kick that leaves the ball moving along (dx, dy)."""
     length = math.sqrt(dx * dx + dy * dy)
@@ -63,7 +63,7 @@ def _full_kick(agent: Record, params: Record, dx: float, dy: float, rate: float)
     return direction_to(dx, dy) - math.asin(min(max(across / strength, -1.0), 1.0)) * RAD
 
 
-@njit
+@kernel
 def accelerate_to(agent: Record, params: Record, vx: float, vy: float) -> tuple[float, float]:
     """Kick that gives the ball a velocity (m/cycle), or at least its direction."""
     rate = kick_rate(agent, params)
@@ -74,7 +74,7 @@ def accelerate_to(agent: Record, params: Record, vx: float, vy: float) -> tuple[
     return params["maxpower"][0], normalize_degrees(_full_kick(agent, params, vx, vy, rate) - agent["body"][0])
 
 
-@njit
+@kernel
 def freeze(agent: Record, params: Record) -> tuple[float, float]:
     """Kick that stops the ball, or else brings it to rest near the player."""
     x, y = roll_out(agent, params, 1)
@@ -93,7 +93,7 @@ def freeze(agent: Record, params: Record) -> tuple[float, float]:
     )
 
 
-@njit
+@kernel
 def _on_the_pitch(x: float, y: float, distance: float, way: float) -> float:
     """Distance at which a point in a direction still lies 0.2 m inside the pitch."""
     c, s = math.cos(way), math.sin(way)
@@ -105,7 +105,7 @@ def _on_the_pitch(x: float, y: float, distance: float, way: float) -> float:
     return distance
 
 
-@njit
+@kernel
 def kick_close(agent: Record, params: Record, angle: float, part: float) -> tuple[float, float]:
     """Kick that puts the ball near the body.
 
@@ -132,7 +132,7 @@ def kick_close(agent: Record, params: Record, angle: float, part: float) -> tupl
     return power, normalize_degrees(direction_to(ax, ay) - agent["body"][0])
 
 
-@njit
+@kernel
 def kick_to(agent: Record, params: Record, x: float, y: float, end_speed: float) -> tuple[float, float]:
     """Kick, or first of several, that sends the ball to a point.
 
@@ -164,7 +164,7 @@ def kick_to(agent: Record, params: Record, x: float, y: float, end_speed: float)
     return accelerate_to(agent, params, vx, vy)
 
 
-@njit
+@kernel
 def _past_own_body(agent: Record, params: Record, ux: float, uy: float, speed: float) -> float:
     """Change a first speed (m/cycle) that would make the ball end its first cycle in the player itself."""
     size = params["player_size"][0] + params["ball_size"][0]
@@ -176,7 +176,7 @@ def _past_own_body(agent: Record, params: Record, ux: float, uy: float, speed: f
     return foot - size if speed < foot else foot + size
 
 
-@njit
+@kernel
 def _unreachable(agent: Record, params: Record, vx: float, vy: float, rate: float) -> tuple[float, float]:
     """Kick for a target too far for any kick: shoot if the ball lies well, else prepare."""
     strength = rate * params["maxpower"][0]

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, RAD, normalize_degrees
-from rcss_hat.numeric.jit import njit
-from rcss_hat.player.geometry import direction_to
+from rcss_hat.numeric.jit import inlined, kernel
+from rcss_hat.player.geometry import direction_to, whole_cos, whole_sin
 from rcss_hat.player.records import N_AHEAD
 from rcss_hat.protocol.records import DASH, TURN
 
@@ -24,24 +24,30 @@ TURN_AROUND_DISTANCE = 2.5
 """Targets nearer than this may be reached backwards (m)."""
 
 
-@njit
+@kernel
 def face(agent: Record, neck: float) -> None:
     """Set the global direction of the own neck; the body follows from the sensed head angle."""
+    head = agent["head"][0]
     neck = normalize_degrees(neck)
-    body = normalize_degrees(neck - agent["head"][0])
-    agent["neck"][0] = neck
-    agent["body"][0] = body
-    agent["neck_cos"][0] = math.cos(neck * DEG)
-    agent["neck_sin"][0] = math.sin(neck * DEG)
-    if agent["head"][0] == 0.0:
-        agent["body_cos"][0] = agent["neck_cos"][0]
-        agent["body_sin"][0] = agent["neck_sin"][0]
-    else:
-        agent["body_cos"][0] = math.cos(body * DEG)
-        agent["body_sin"][0] = math.sin(body * DEG)
+    if neck != agent["neck"][0]:
+        agent["neck"][0] = neck
+        agent["neck_cos"][0] = math.cos(neck * DEG)
+        agent["neck_sin"][0] = math.sin(neck * DEG)
+    c, s = agent["neck_cos"][0], agent["neck_sin"][0]
+    agent["body"][0] = normalize_degrees(neck - head)
+    agent["body_cos"][0] = c * whole_cos(head) + s * whole_sin(head)
+    agent["body_sin"][0] = s * whole_cos(head) - c * whole_sin(head)
 
 
-@njit
+@inlined
+def sensed_velocity(agent: Record) -> tuple[float, float]:
+    """Own velocity (m/cycle, after decay) as sensed, for the present direction of the neck."""
+    c, s = whole_cos(agent["speed_direction"][0]), whole_sin(agent["speed_direction"][0])
+    speed, neck_cos, neck_sin = agent["speed"][0], agent["neck_cos"][0], agent["neck_sin"][0]
+    return speed * (neck_cos * c - neck_sin * s), speed * (neck_sin * c + neck_cos * s)
+
+
+@inlined
 def limited(vx: float, vy: float, top: float) -> tuple[float, float]:
     """Return a velocity, shortened to a speed limit if need be."""
     speed2 = vx * vx + vy * vy
@@ -51,14 +57,14 @@ def limited(vx: float, vy: float, top: float) -> tuple[float, float]:
     return vx, vy
 
 
-@njit
+@inlined
 def roll_out(agent: Record, params: Record, cycles: int) -> tuple[float, float]:
     """Own position after rolling up to 4 cycles (m)."""
     roll = agent["roll"][0, cycles]
     return agent["pos"][0, 0] + agent["vel"][0, 0] * roll, agent["pos"][0, 1] + agent["vel"][0, 1] * roll
 
 
-@njit
+@inlined
 def ball_after(agent: Record, params: Record, cycles: int) -> tuple[float, float]:
     """Position of the ball after rolling freely for some cycles (m)."""
     if cycles < N_AHEAD:
@@ -72,14 +78,42 @@ def ball_after(agent: Record, params: Record, cycles: int) -> tuple[float, float
     )
 
 
-@njit
+@inlined
 def to_body(agent: Record, x: float, y: float) -> tuple[float, float]:
     """Turn a vector of the own frame into (forward, side) of the body."""
     c, s = agent["body_cos"][0], agent["body_sin"][0]
     return x * c + y * s, y * c - x * s
 
 
-@njit
+@inlined
+def dash_acceleration(
+    agent: Record, params: Record, forward: float, v_forward: float, cycles: int, strongest: float
+) -> float:
+    """Acceleration of the first of some dashes that together cover a distance along the body (m/cycle2).
+
+    Parameters
+    ----------
+    agent, params : record
+    forward : float
+        Distance (m).
+    v_forward : float
+        Speed along the body (m/cycle).
+    cycles : int
+        Number of cycles, from 1.
+    strongest : float
+        Acceleration of a dash with full power, see `strongest_dash`.
+    """
+    speed = min(forward * agent["first_share"][0, cycles], params["player_speed_max"][0])
+    return min(max(speed - v_forward, -strongest), strongest)
+
+
+@inlined
+def strongest_dash(agent: Record, params: Record) -> float:
+    """Acceleration of a dash with full power (m/cycle2); a dash backwards is taken to be as strong."""
+    return params["maxpower"][0] * params["dash_power_rate"][0] * agent["effort"][0]
+
+
+@kernel
 def dash_power(agent: Record, params: Record, forward: float, v_forward: float, cycles: int) -> float:
     """Power of the first of some dashes that together cover a distance along the body.
 
@@ -99,14 +133,14 @@ def dash_power(agent: Record, params: Record, forward: float, v_forward: float, 
     return min(max(power, params["minpower"][0]), params["maxpower"][0])
 
 
-@njit
+@kernel
 def turn_moment(params: Record, angle: float, speed: float) -> float:
     """Argument of the turn command that turns by an angle at a speed (degrees)."""
     moment = angle * (1.0 + params["inertia_moment"][0] * speed)
     return min(max(moment, params["minmoment"][0]), params["maxmoment"][0])
 
 
-@njit
+@inlined
 def needs_turn(
     agent: Record, forward: float, side: float, v_forward: float, v_side: float, cycles: int, back: float
 ) -> bool:
@@ -127,7 +161,7 @@ def needs_turn(
     return ahead < 0.0 and ahead * ahead + across * across > back * back
 
 
-@njit
+@kernel
 def planned_turn(
     agent: Record,
     params: Record,
@@ -163,7 +197,7 @@ def planned_turn(
     return moment
 
 
-@njit
+@kernel
 def planned_move(agent: Record, params: Record, x: float, y: float, cycles: int, back: float) -> tuple[int, float]:
     """First command of a plan to be at a point in some cycles.
 
@@ -179,7 +213,7 @@ def planned_move(agent: Record, params: Record, x: float, y: float, cycles: int,
     return DASH, dash_power(agent, params, forward, v_forward, cycles)
 
 
-@njit
+@kernel
 def after_turn(
     params: Record, moment: float, forward: float, side: float, v_forward: float, v_side: float
 ) -> tuple[float, float, float, float]:
@@ -198,7 +232,7 @@ def after_turn(
     )
 
 
-@njit
+@inlined
 def after_dash(
     params: Record, acceleration: float, forward: float, side: float, v_forward: float, v_side: float
 ) -> tuple[float, float, float, float]:
@@ -208,24 +242,24 @@ def after_dash(
     return forward - v_forward, side - v_side, v_forward * decay, v_side * decay
 
 
-@njit
+@kernel
 def miss_after(
     agent: Record, params: Record, forward: float, side: float, v_forward: float, v_side: float, cycles: int
 ) -> float:
     """Distance to a point after planned moves that shall reach it in some cycles (m)."""
-    rate = params["dash_power_rate"][0] * agent["effort"][0]
+    strongest = strongest_dash(agent, params)
     for i in range(cycles):
         left = cycles - i
         if needs_turn(agent, forward, side, v_forward, v_side, left, TURN_AROUND_DISTANCE):
             moment = planned_turn(agent, params, forward, side, v_forward, v_side, left, TURN_AROUND_DISTANCE)
             forward, side, v_forward, v_side = after_turn(params, moment, forward, side, v_forward, v_side)
         else:
-            acceleration = dash_power(agent, params, forward, v_forward, left) * rate
+            acceleration = dash_acceleration(agent, params, forward, v_forward, left, strongest)
             forward, side, v_forward, v_side = after_dash(params, acceleration, forward, side, v_forward, v_side)
     return math.sqrt(forward * forward + side * side)
 
 
-@njit
+@kernel
 def own_state_after(
     agent: Record, params: Record, kind: int, amount: float
 ) -> tuple[float, float, float, float, float]:
@@ -256,7 +290,7 @@ def own_state_after(
     return agent["pos"][0, 0] + vx, agent["pos"][0, 1] + vy, vx, vy, turned
 
 
-@njit
+@kernel
 def turn_body_moment(agent: Record, params: Record, x: float, y: float, cycles: int) -> float:
     """Moment that turns the body towards a point as seen from where the player will have rolled to (degrees)."""
     px, py = roll_out(agent, params, cycles)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.geometry import direction_to, in_interval
 from rcss_hat.player.motion import dash_power, own_state_after, to_body, turn_body_moment
 from rcss_hat.protocol.records import DASH, TURN
@@ -21,7 +21,7 @@ SEARCH_MEMORY = 3
 """Cycles after which a new search chooses its direction anew."""
 
 
-@njit
+@kernel
 def move_to(agent: Record, params: Record, x: float, y: float, precision: float, back: float) -> tuple[int, float]:
     """Go to a point: dash when heading there, else turn, or brake first when too fast to turn.
 
@@ -62,7 +62,7 @@ def move_to(agent: Record, params: Record, x: float, y: float, precision: float,
     return DASH, dash_power(agent, params, 0.0, v_forward, 1)
 
 
-@njit
+@kernel
 def search_ball(agent: Record, params: Record) -> tuple[int, float]:
     """Turn to look for the ball, at first to the side on which it was last.
 
@@ -81,7 +81,7 @@ def search_ball(agent: Record, params: Record) -> tuple[int, float]:
     return TURN, turn_body_moment(agent, params, px + math.cos(way), py + math.sin(way), 1)
 
 
-@njit
+@kernel
 def turn_neck_to(agent: Record, params: Record, x: float, y: float, kind: int, amount: float) -> float:
     """Moment of turn_neck (degrees) that faces a point after a body command.
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.player.records import NOBODY, OPPONENTS
 
 Record = NDArray[np.void]
@@ -23,34 +23,34 @@ FAR = 1000.0
 """A distance beyond all others (m)."""
 
 
-@njit
+@inlined
 def is_known(agent: Record, slot: int) -> bool:
     """Tell whether a player's position is recent enough to be used."""
     age = agent["now"][0] - agent["player_seen"][0, slot]
     return 0 <= age <= PLAYER_MEMORY
 
 
-@njit
+@inlined
 def ball_is_known(agent: Record) -> bool:
     """Tell whether the ball's position is recent enough to be used."""
     return 0 <= agent["now"][0] - agent["ball_seen"][0] <= BALL_MEMORY
 
 
-@njit
+@kernel
 def ball_distance(agent: Record) -> float:
     """Distance to the ball (m)."""
     dx, dy = agent["ball_pos"][0, 0] - agent["pos"][0, 0], agent["ball_pos"][0, 1] - agent["pos"][0, 1]
     return math.sqrt(dx * dx + dy * dy)
 
 
-@njit
+@inlined
 def distance2_to(agent: Record, slot: int, x: float, y: float) -> float:
     """Squared distance of a player to a point (m2)."""
     dx, dy = agent["player_pos"][0, slot, 0] - x, agent["player_pos"][0, slot, 1] - y
     return dx * dx + dy * dy
 
 
-@njit
+@kernel
 def closest_in(agent: Record, first: int, end: int, x: float, y: float) -> tuple[int, float]:
     """Nearest known player among slots ``first .. end-1``.
 
@@ -68,19 +68,19 @@ def closest_in(agent: Record, first: int, end: int, x: float, y: float) -> tuple
     return best, math.sqrt(best2)
 
 
-@njit
+@kernel
 def closest_opponent(agent: Record, x: float, y: float) -> tuple[int, float]:
     """Nearest known opponent: slot or NOBODY, and its distance (m)."""
     return closest_in(agent, OPPONENTS, agent["top_other"][0], x, y)
 
 
-@njit
+@kernel
 def closest_teammate(agent: Record, x: float, y: float) -> tuple[int, float]:
     """Nearest known player of the own team, the player itself included: slot or NOBODY, and its distance (m)."""
     return closest_in(agent, 0, agent["top_own"][0], x, y)
 
 
-@njit
+@kernel
 def closest_other(agent: Record, x: float, y: float) -> float:
     """Distance to the nearest known player of either team other than the player itself (m)."""
     best2 = FAR * FAR
@@ -90,7 +90,7 @@ def closest_other(agent: Record, x: float, y: float) -> float:
     return math.sqrt(best2)
 
 
-@njit
+@kernel
 def sort_by_distance(
     agent: Record, first: int, n: int, x: float, y: float, order: NDArray[np.int64], distance: NDArray[np.float64]
 ) -> bool:

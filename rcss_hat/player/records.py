@@ -18,6 +18,7 @@ OPPONENTS = MAX_PLAYERS
 NOBODY = -1
 NEVER = -1000
 """A time before every other."""
+N_GRID = 25
 N_AHEAD = 104
 """Cycles for which motion is tabulated."""
 
@@ -40,9 +41,11 @@ AGENT = np.dtype(
         ("rng", "u8", (4,)),
         # what follows from the server's parameters
         ("kick_dist", "f8"),  # m
-        ("roll", "f8", (5,)),  # player rolling c cycles: distance over first speed
+        ("roll", "f8", (N_AHEAD,)),  # player rolling c cycles: distance over first speed
         ("first_share", "f8", (N_AHEAD,)),  # first speed over distance when rolling c cycles
         ("ball_roll", "f8", (N_AHEAD,)),  # ball rolling c cycles: distance over first speed
+        ("sprint", "f8", (N_AHEAD,)),  # distance of c cycles of full dashes from rest: nobody runs farther (m)
+        ("grid", "f8", (2, N_GRID)),  # points among which a keeper gets open (m)
         # when
         ("now", "i4"),  # cycle of the last sense_body
         ("see_time", "i4"),  # cycle of the last see
@@ -106,6 +109,7 @@ AGENT = np.dtype(
         # room to sort players in
         ("order", "i8", _S),
         ("distance", "f8", _S),
+        ("crowd", "f8", (N_GRID,)),  # how crowded those points are
         # the decision at hand
         ("plan_kind", "u1"),  # body command before truncation
         ("plan_a", "f8"),
@@ -123,7 +127,8 @@ AGENT = np.dtype(
         ("ended_acted", "u1"),  # this keeper decided in that episode
         ("final_reward", "f8"),
         ("taken_guess", "u1"),  # an episode that ended now would have been "taken"
-    ]
+    ],
+    align=True,
 )
 """One player, shape ``(1,)``."""
 

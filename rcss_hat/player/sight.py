@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.numeric.angles import DEG, normalize_degrees
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.bodily import set_ball
 from rcss_hat.player.geometry import whole_cos, whole_sin
 from rcss_hat.player.ghosts import remove_ghosts
 from rcss_hat.player.localisation import locate
-from rcss_hat.player.motion import face
+from rcss_hat.player.motion import face, sensed_velocity
 from rcss_hat.player.objects import FAR, closest_opponent, distance2_to, is_known
 from rcss_hat.player.records import N_SLOTS, OPPONENTS
 from rcss_hat.player.strangers import forget_strangers_near, recognise
@@ -34,7 +34,7 @@ Record = NDArray[np.void]
 _STILL = 1e-4
 
 
-@njit
+@kernel
 def shows_everyone(agent: Record, see: Record) -> bool:
     """Tell whether a see message shows every other known player, with number."""
     shown = 1 << agent["me"][0]
@@ -48,13 +48,13 @@ def shows_everyone(agent: Record, see: Record) -> bool:
     return missing == 0
 
 
-@njit
+@kernel
 def _slot(see: Record, i: int) -> int:
     slot = int(see["unum"][0, i]) - 1
     return slot if see["team"][0, i] == OWN_TEAM else slot + OPPONENTS
 
 
-@njit
+@kernel
 def watch(agent: Record, params: Record, see: Record) -> None:
     """Apply a see message."""
     agent["see_time"][0] = see["time"][0]
@@ -78,7 +78,7 @@ def watch(agent: Record, params: Record, see: Record) -> None:
     remove_ghosts(agent, params)
 
 
-@njit
+@kernel
 def _set_pose(agent: Record, see: Record) -> None:
     x, y, neck = locate(agent, see)
     face(agent, neck)
@@ -86,9 +86,7 @@ def _set_pose(agent: Record, see: Record) -> None:
     agent["shift"][0, 1] = y - agent["pos"][0, 1]
     agent["pos"][0, 0] = x
     agent["pos"][0, 1] = y
-    way = (agent["neck"][0] + agent["speed_direction"][0]) * DEG
-    agent["vel"][0, 0] = agent["speed"][0] * math.cos(way)
-    agent["vel"][0, 1] = agent["speed"][0] * math.sin(way)
+    agent["vel"][0, 0], agent["vel"][0, 1] = sensed_velocity(agent)
     me, time = agent["me"][0], see["time"][0]
     agent["player_seen"][0, me] = time
     agent["player_see_time"][0, me] = time
@@ -97,7 +95,7 @@ def _set_pose(agent: Record, see: Record) -> None:
         agent["player_see_pos"][0, me, axis] = agent["pos"][0, axis]
 
 
-@njit
+@kernel
 def _world_direction(agent: Record, see: Record, i: int) -> tuple[float, float]:
     """Unit vector towards a seen object."""
     dc, ds = whole_cos(see["direction"][0, i]), whole_sin(see["direction"][0, i])
@@ -105,7 +103,7 @@ def _world_direction(agent: Record, see: Record, i: int) -> tuple[float, float]:
     return dc * c - ds * s, dc * s + ds * c
 
 
-@njit
+@kernel
 def _seen_velocity(agent: Record, see: Record, i: int, wx: float, wy: float) -> tuple[float, float]:
     """Velocity (m/cycle) of an object seen in the direction (wx, wy), from the changes of distance and direction."""
     outwards = see["distance_change"][0, i]
@@ -113,7 +111,7 @@ def _seen_velocity(agent: Record, see: Record, i: int, wx: float, wy: float) -> 
     return agent["vel"][0, 0] + outwards * wx - around * wy, agent["vel"][0, 1] + outwards * wy + around * wx
 
 
-@njit
+@kernel
 def _see_player(agent: Record, params: Record, see: Record, i: int, o: int) -> None:
     """Take over what is seen of a player whose number was read."""
     time, fields = see["time"][0], see["fields"][0, i]
@@ -151,7 +149,7 @@ def _see_player(agent: Record, params: Record, see: Record, i: int, o: int) -> N
     agent["player_known"][0, o] = 1
 
 
-@njit
+@kernel
 def _see_ball(agent: Record, params: Record, see: Record, i: int) -> None:
     """Take over what is seen of the ball."""
     time, distance = see["time"][0], see["distance"][0, i]
@@ -182,7 +180,7 @@ def _see_ball(agent: Record, params: Record, see: Record, i: int) -> None:
     agent["ball_seen"][0] = time
 
 
-@njit
+@kernel
 def _ball_velocity_from_positions(
     agent: Record, params: Record, time: int, distance: float, x: float, y: float
 ) -> tuple[float, float]:
@@ -203,7 +201,7 @@ def _ball_velocity_from_positions(
     return vx, vy
 
 
-@njit
+@kernel
 def _closest_player(agent: Record, x: float, y: float) -> float:
     """Distance of the nearest known player, oneself included (m)."""
     best2 = FAR * FAR

@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.player.geometry import whole_cos, whole_sin
 from rcss_hat.player.objects import PLAYER_MEMORY, distance2_to, is_known
 from rcss_hat.player.records import N_SLOTS, NEVER, NOBODY, OPPONENTS
@@ -22,9 +22,11 @@ Record = NDArray[np.void]
 SAME_PLAYER = 7.5
 """A stranger farther than this from a player is not that player (m)."""
 NO_ANGLE = -1000.0
+N_TEAMS = 3
+"""Unknown, own, other."""
 
 
-@njit
+@kernel
 def forget_strangers_near(agent: Record, params: Record, slot: int, x: float, y: float) -> None:
     """Drop a guessed entry of the same team that must have been the player now seen with number at a point."""
     first = OPPONENTS if slot >= OPPONENTS else 0
@@ -40,13 +42,13 @@ def forget_strangers_near(agent: Record, params: Record, slot: int, x: float, y:
         agent["player_seen"][0, best] = NEVER
 
 
-@njit
+@kernel
 def _most_travelled(agent: Record, params: Record, slot: int) -> float:
     """How far a player can have gone since it was last seen (m)."""
     return (agent["now"][0] - agent["player_seen"][0, slot]) * params["player_speed_max"][0]
 
 
-@njit
+@kernel
 def _seen_slot(see: Record, i: int) -> int:
     """Slot of a player seen with number, else NOBODY."""
     if see["code"][0, i] != PLAYER or see["unum"][0, i] == 0 or see["team"][0, i] == UNKNOWN_TEAM:
@@ -55,17 +57,17 @@ def _seen_slot(see: Record, i: int) -> int:
     return slot if see["team"][0, i] == OWN_TEAM else slot + OPPONENTS
 
 
-@njit
+@kernel
 def _is_player(see: Record, i: int) -> bool:
     return see["code"][0, i] == PLAYER or see["code"][0, i] == CLOSE_PLAYER
 
 
-@njit
+@kernel
 def _team_of(see: Record, i: int) -> int:
     return UNKNOWN_TEAM if see["code"][0, i] == CLOSE_PLAYER else int(see["team"][0, i])
 
 
-@njit
+@kernel
 def _lowest(agent: Record, team: int, before: int) -> int:
     """Lowest slot a stranger can have, after the player before it in the message (a slot or NOBODY)."""
     if team == OWN_TEAM and (before == NOBODY or before >= OPPONENTS):
@@ -79,7 +81,7 @@ def _lowest(agent: Record, team: int, before: int) -> int:
     return (slot + 1) % N_SLOTS if slot == agent["me"][0] else slot
 
 
-@njit
+@kernel
 def _highest(agent: Record, see: Record, i: int) -> int:
     """Highest slot the stranger at index i can have, from the players after it in the message."""
     slot = N_SLOTS - 1 if agent["side"][0] == LEFT else OPPONENTS - 1
@@ -97,12 +99,10 @@ def _highest(agent: Record, see: Record, i: int) -> int:
     return slot
 
 
-@njit
+@kernel
 def recognise(agent: Record, params: Record, see: Record) -> None:
     """Find out who the players seen without number are, and take over where they are."""
-    teams = np.zeros(N_SLOTS, dtype=np.int64)
-    places = np.zeros(N_SLOTS, dtype=np.int64)
-    n, before = 0, NOBODY
+    places, n, before = agent["order"], 0, NOBODY
     for i in range(see["n"][0]):
         if not _is_player(see, i) or not see["fields"][0, i] & HAS_DISTANCE:
             continue
@@ -118,14 +118,14 @@ def recognise(agent: Record, params: Record, see: Record) -> None:
         elif n < N_SLOTS:
             if (before < OPPONENTS) == (highest < OPPONENTS):
                 team = OWN_TEAM if before < OPPONENTS else OTHER_TEAM
-            teams[n] = team
-            places[n] = i
+            places[0, n] = N_TEAMS * i + team
             n += 1
     for k in range(n):
-        _guess(agent, params, see, places[k], teams[k])
+        place = places[0, k]
+        _guess(agent, params, see, place // N_TEAMS, place % N_TEAMS)
 
 
-@njit
+@kernel
 def _position(agent: Record, see: Record, i: int) -> tuple[float, float]:
     dc, ds = whole_cos(see["direction"][0, i]), whole_sin(see["direction"][0, i])
     c, s = agent["neck_cos"][0], agent["neck_sin"][0]
@@ -133,7 +133,7 @@ def _position(agent: Record, see: Record, i: int) -> tuple[float, float]:
     return agent["pos"][0, 0] + distance * (dc * c - ds * s), agent["pos"][0, 1] + distance * (dc * s + ds * c)
 
 
-@njit
+@kernel
 def _place(agent: Record, see: Record, i: int, slot: int, sure: bool) -> None:
     """Believe that the stranger at index i is a certain player."""
     x, y = _position(agent, see, i)
@@ -160,7 +160,7 @@ def _place(agent: Record, see: Record, i: int, slot: int, sure: bool) -> None:
         agent["top_own"][0] = max(agent["top_own"][0], slot + 1)
 
 
-@njit
+@kernel
 def _guess(agent: Record, params: Record, see: Record, i: int, team: int) -> None:
     """Take a stranger for the nearest known player not yet seen, or for one not known at all."""
     x, y = _position(agent, see, i)
@@ -190,7 +190,7 @@ def _guess(agent: Record, params: Record, see: Record, i: int, team: int) -> Non
         _place(agent, see, i, slot, False)
 
 
-@njit
+@kernel
 def _free_slot(agent: Record, team: int) -> int:
     """First slot of a team without a good entry: slot or NOBODY."""
     first = OPPONENTS if team == OTHER_TEAM else 0
