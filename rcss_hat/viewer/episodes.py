@@ -2,8 +2,8 @@
 
 Monitors and game logs do not tell when a Keepaway episode ends. But the server then puts the ball back exactly on its
 spot, at rest, where no play brings it; and when it was still there, the players into their corners, farther than
-anybody can move. Why it ended follows from the referee's own count: rcssserver (19.0.0, src/referee.cpp, KeepawayRef) counts the cycles in which a taker can kick the
-ball, and takes the count back to 0 when only a keeper can.
+anybody can move. Why it ended follows from the referee's own count: rcssserver (19.0.0, src/referee.cpp, KeepawayRef)
+counts the cycles in which a taker can kick the ball, and takes the count back to 0 when only a keeper can.
 """
 
 from __future__ import annotations

@@ -34,6 +34,7 @@ MAX_MESSAGE = 4096
 PICTURE = 1.0 / 60.0
 """Seconds between two pictures sent to a page, at least."""
 HEARTBEAT = 20.0
+_HUGE = 1e15
 
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
 _HEADERS = {
@@ -131,7 +132,11 @@ class Viewer:
         app.router.add_get("/{name}", self._static)
         self._runner = web.AppRunner(app, access_log=None, shutdown_timeout=1.0)
         await self._runner.setup()
-        await web.TCPSite(self._runner, HOST, port).start()
+        try:
+            await web.TCPSite(self._runner, HOST, port).start()
+        except OSError:
+            await self._runner.cleanup()
+            raise
         bound = self._runner.addresses[0][1]
         self._cookie = f"rcss_hat_{bound}"
         self.url = f"http://{HOST}:{bound}/?token={self._token}"
@@ -319,7 +324,7 @@ class Viewer:
         """Take a message of a page; what is malformed, or not for that browser to ask, changes nothing."""
         try:
             message = json.loads(text)
-        except ValueError:
+        except (ValueError, RecursionError):
             message = None
         if not isinstance(message, dict):
             browser.say({"type": "refused", "text": "expected a JSON object"})
@@ -346,7 +351,8 @@ class Viewer:
 
 
 def _number(value: Any) -> float:
-    return float(value) if isinstance(value, (int, float)) else 0.0
+    """Return a number of a message; 0 for what is none, or beyond all use."""
+    return float(value) if isinstance(value, (int, float)) and abs(value) < _HUGE else 0.0
 
 
 def _episode(episode: Episode) -> dict[str, Any]:
