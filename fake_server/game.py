@@ -1,0 +1,333 @@
+"""A match with its teams: who joins, what clients and monitors may do to it, what the referee announces.
+
+No sockets and no text of messages: a server, or a test, drives it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fake_server.options import ServerOptions
+from fake_server.simulation.cycle import step
+from fake_server.simulation.keepaway import kick_off, last_episode
+from fake_server.simulation.pitch import HALF_LENGTH, HALF_WIDTH
+from fake_server.simulation.placement import move_player_to, place_ball, recover_all
+from fake_server.simulation.player_types import player_types
+from fake_server.simulation.referee import change_play_mode, drop_ball, free_kick
+from fake_server.simulation.state import (
+    BEFORE_KICK_OFF,
+    E_CAUGHT,
+    E_DROP_BALL,
+    E_EPISODE_OUT,
+    E_EPISODE_TAKEN,
+    E_HALF_TIME,
+    E_PLAY_ON,
+    E_TIME_EXTENDED,
+    E_TIME_UP,
+    E_WITHOUT_A_TEAM,
+    F_DISCARD,
+    FREE_KICK_LEFT,
+    GOAL_LEFT,
+    GOAL_RIGHT,
+    N_PLAYERS,
+    PHYSICS,
+    PLAY_ON,
+    connect,
+    disconnect,
+    index,
+    new_match,
+    recover,
+    streams,
+)
+from fake_server.text import FIRST_VERSION, LAST_VERSION
+from rcss_hat.protocol.play_modes import PLAY_MODES
+from rcss_hat.protocol.records import LEFT, MAX_PLAYERS, RIGHT
+
+EPISODE_END = "training Keepaway 1"
+"""What the referee says at the end of every episode."""
+LAST_VERSION_11 = 11
+_GOAL_DEPTH = 2.44
+_POST_RADIUS = 0.06
+
+
+class JoinError(Exception):
+    """A client may not join; the message is the server's answer."""
+
+
+class Game:
+    """A match, its teams and its randomness.
+
+    Parameters
+    ----------
+    options : ServerOptions
+    seed : int
+        Of all randomness; also of the player types when ``player::random_seed`` is negative.
+
+    Attributes
+    ----------
+    params, player_params : ServerParams, PlayerParams
+    kernel : ndarray of PARAMS, shape (1,)
+        The parameters as the kernels read them.
+    types : ndarray of PLAYER_TYPE
+    match : ndarray of MATCH, shape (1,)
+    streams : ndarray of uint64, shape (3, 4)
+    names : list of str
+        Of the left and the right team, empty while there is none.
+    """
+
+    def __init__(self, options: ServerOptions, seed: int) -> None:
+        self.params = options.params
+        self.player_params = options.player_params
+        if int(self.player_params["random_seed"]) < 0:
+            self.player_params.set("random_seed", seed % 2**31)
+        self.kernel = self.params.record()
+        self.has_referees = bool(self.params["coach_w_referee"]) or not self.params["coach"]
+        if not self.has_referees:
+            for name in ("keepaway", "half_time", "ball_stuck_area", "use_offside"):
+                self.kernel[name] = 0.0
+        self.types = player_types(self.params, int(self.player_params["random_seed"]), self.player_params.numbers())
+        self.match = new_match(self.kernel)
+        self.match["score"][0] = [int(self.params.number(f"start_goal_{side}")) for side in "lr"]
+        self.streams = streams(seed)
+        self._fresh_streams = self.streams.copy()
+        self.names = ["", ""]
+        self._sizes = [0, 0]
+
+    # --- what it is ---------------------------------------------------------------------------------------------
+    @property
+    def time(self) -> int:
+        """Cycle."""
+        return int(self.match["time"][0])
+
+    @property
+    def mode(self) -> int:
+        """Play mode."""
+        return int(self.match["mode"][0])
+
+    @property
+    def mode_name(self) -> str:
+        """Play mode as clients are told."""
+        return PLAY_MODES[self.mode]
+
+    @property
+    def teams(self) -> tuple[str, str]:
+        """Names of the left and the right team."""
+        return self.names[0], self.names[1]
+
+    @property
+    def score(self) -> tuple[int, int]:
+        """Goals of the left and the right team."""
+        return int(self.match["score"][0, 0]), int(self.match["score"][0, 1])
+
+    def enabled(self, i: int) -> bool:
+        """Tell whether a player is in the game."""
+        return bool(self.match["enabled"][0, i])
+
+    def team_name(self, i: int) -> str:
+        """Name of a player's team."""
+        return self.names[i // MAX_PLAYERS]
+
+    def unum(self, i: int) -> int:
+        """Uniform number of a player."""
+        return i % MAX_PLAYERS + 1
+
+    def find_team(self, name: str) -> int | None:
+        """Return 0 for the left team's name, 1 for the right one's, None for others."""
+        return self.names.index(name) if name and name in self.names else None
+
+    def visible_name(self, i: int) -> str:
+        """Return a player as trainers see him: ``p "TEAM" UNUM``, with ``goalie`` if he is."""
+        return f'p "{self.team_name(i)}" {self.unum(i)}{" goalie" if self.match["goalie"][0, i] else ""}'
+
+    def ball_place(self) -> str:
+        """Return where the ball is: in_field, goal_l, goal_r or out_of_field (19.0.0, src/stadium.cpp, ballPosInfo)."""
+        size = self.params.number("ball_size")
+        half_goal = 0.5 * (self.params.number("goal_width") + _POST_RADIUS)
+        x, y = (float(v) for v in self.match["ball_pos"][0])
+        if abs(y) <= half_goal and HALF_LENGTH + size <= abs(x) <= HALF_LENGTH + size + _GOAL_DEPTH:
+            return "goal_l" if x < 0.0 else "goal_r"
+        inside = abs(x) <= HALF_LENGTH + size and abs(y) <= HALF_WIDTH + size
+        return "in_field" if inside else "out_of_field"
+
+    # --- who plays ------------------------------------------------------------------------------------------------
+    def join(self, team: str, version: float, goalie: bool) -> int:
+        """Let a player join.
+
+        Returns
+        -------
+        int
+            Index of the player.
+
+        Raises
+        ------
+        JoinError
+            With the server's answer.
+        """
+        if team in (self.params["fixed_teamname_l"], self.params["fixed_teamname_r"]):
+            raise JoinError("(error conflict_with_fixed_teamname)")
+        if team not in self.names:
+            if "" not in self.names:
+                raise JoinError("(error no_more_team)")
+            self.names[self.names.index("")] = team
+        k = self.names.index(team)
+        first = k * MAX_PLAYERS
+        size = self._sizes[k]
+        taken = bool(self.match["goalie"][0, first : first + size].any())
+        if size >= MAX_PLAYERS or (goalie and taken) or not self.knows_version(version):
+            invalid = "invalid" if self.params.profile == "11.1" else "illegal"
+            raise JoinError(f"(error no_more_player_or_goalie_or_{invalid}_client_version)")
+        self._sizes[k] += 1
+        connect(self.match, self.kernel, first + size, int(version), goalie)
+        return first + size
+
+    def rejoin(self, team: str, unum: int) -> int:
+        """Let a player join again; returns his index.
+
+        Raises
+        ------
+        JoinError
+            With the server's answer.
+        """
+        if self.mode == PLAY_ON:
+            raise JoinError("(error cannot_reconnect_while_playon)")
+        k = self.find_team(team)
+        if k is None or not 1 <= unum <= MAX_PLAYERS:
+            raise JoinError("(error no_such_team_or_player)")
+        i = k * MAX_PLAYERS + unum - 1
+        version = int(self.match["version"][0, i])
+        if not self.knows_version(version):  # of a number that never connected
+            raise JoinError("(error illegal_client_version)")
+        connect(self.match, self.kernel, i, version, bool(self.match["goalie"][0, i]))
+        return i
+
+    def leave(self, i: int) -> None:
+        """Take a player out."""
+        disconnect(self.match, i)
+
+    def knows_version(self, version: float) -> bool:
+        """Tell whether players of a protocol version are served."""
+        last = LAST_VERSION_11 if self.params.profile == "11.1" else LAST_VERSION
+        return math.isfinite(version) and FIRST_VERSION <= int(version) <= last
+
+    # --- what happens ---------------------------------------------------------------------------------------------
+    def settle_randomness(self) -> None:
+        """Start the random streams afresh while the first kick-off is awaited.
+
+        How long clients take to connect would otherwise decide what is drawn afterwards.
+        """
+        if self.time == 0 and self.mode == BEFORE_KICK_OFF and self.match["episode"][0] == 0:
+            self.streams[:] = self._fresh_streams
+
+    def step(self) -> list[str]:
+        """Simulate a step; returns what the referee announces."""
+        self.settle_randomness()
+        before = self.mode
+        step(self.match, self.kernel, self.types, self.streams)
+        return self._announcements(before)
+
+    def kick_off(self) -> list[str]:
+        """Start the play, as ``(start)`` and ``(dispstart)`` do; returns what the referee announces."""
+        half = int(self.params.number("half_time") * 1000 / self.params.number("simulator_step"))
+        if not self.kernel["keepaway"][0] and half > 0 and self.time % half != 0:
+            return []
+        self.settle_randomness()
+        before = self.mode
+        self.match["events"] = 0
+        kick_off(self.match, self.kernel, self.streams)
+        return self._announcements(before)
+
+    def change_mode(self, mode: int) -> list[str]:
+        """Change the play mode, as a trainer does; returns what the referee announces."""
+        if mode == PLAY_ON and self.kernel["keepaway"][0]:
+            return self.kick_off()
+        change_play_mode(self.match, self.kernel, mode, self.streams[PHYSICS])
+        self.match["events"] = 0
+        return [] if mode in (GOAL_LEFT, GOAL_RIGHT) else [PLAY_MODES[mode]]
+
+    def call_foul(self, side: int, x: float, y: float) -> list[str]:
+        """Drop the ball at a place (``side`` 0), or give side 1 (left) or -1 (right) a free kick there."""
+        rng = self.streams[PHYSICS]
+        if side == 0:
+            drop_ball(self.match, self.kernel, x, y, rng)
+            self.match["events"] = 0
+            return ["drop_ball", "play_on"]
+        free_kick(self.match, self.kernel, LEFT if side > 0 else RIGHT, x, y, rng)
+        self.match["events"] = 0
+        return ["foul_r" if side > 0 else "foul_l", self.mode_name]
+
+    def move_ball(self, x: float, y: float, velocity: tuple[float, float]) -> None:
+        """Put the ball somewhere, as a trainer does."""
+        self.match["catcher"] = -1
+        place_ball(self.match, x, y, *velocity)
+
+    def move_player(
+        self, i: int, x: float, y: float, angle: float | None = None, velocity: tuple[float, float] | None = None
+    ) -> None:
+        """Put a player somewhere; ``angle`` (degrees) and ``velocity`` (m/cycle) stay as they are when None."""
+        if angle is not None:
+            self.match["body"][0, i] = self.match["body_pending"][0, i] = math.radians(angle)
+        if velocity is not None:
+            self.match["vel"][0, i] = velocity
+        move_player_to(self.match, self.kernel, i, x, y, self.streams[PHYSICS])
+
+    def recover(self) -> None:
+        """Give everybody full stamina."""
+        recover_all(self.match, self.kernel)
+
+    def discard(self, i: int) -> None:
+        """Take a player off the field, as a monitor does."""
+        disconnect(self.match, i)
+        self.match["flags"][0, i] |= F_DISCARD
+
+    def substitute(self, i: int, player_type: int) -> None:
+        """Give a player another type."""
+        self.match["type"][0, i] = player_type
+        self.match["size"][0, i] = self.types["player_size"][player_type]
+        self.match["effort_max"][0, i] = self.types["effort_max"][player_type]
+        recover(self.match, self.kernel, i)
+
+    def last_episode(self) -> tuple[int, int, int, bool]:
+        """Return number, start, end and whether it was taken, of the episode that ended last."""
+        record = last_episode(self.match)[0]
+        return int(record["episode"]), int(record["start"]), int(record["end"]), bool(record["taken"])
+
+    def player_index(self, side: int, unum: int) -> int | None:
+        """Return the index of a player of side 1 (left) or -1 (right), None when there is no such number."""
+        if side not in (1, -1) or not 1 <= unum <= MAX_PLAYERS:
+            return None
+        return index(LEFT if side == 1 else RIGHT, unum)
+
+    def players(self) -> NDArray[np.uint8]:
+        """Return the indices of all players in the game."""
+        indices: NDArray[np.uint8] = self.match["players"][0, : self.match["n_players"][0]]
+        return indices
+
+    def _announcements(self, before: int) -> list[str]:
+        """Return what the referee says about the events of the match, in the server's order."""
+        events = int(self.match["events"][0])
+        after = self.mode
+        said = []
+        if events & E_HALF_TIME:
+            said.append("half_time")
+        if events & E_TIME_EXTENDED:
+            said.append("time_extended")
+        if events & E_TIME_UP:
+            said.append("time_up_without_a_team" if events & E_WITHOUT_A_TEAM else "time_up")
+        if events & E_CAUGHT:
+            said.append("goalie_catch_ball_l" if after == FREE_KICK_LEFT else "goalie_catch_ball_r")
+        if events & E_DROP_BALL:
+            said.append("drop_ball")
+        if events & E_PLAY_ON:
+            said.append("play_on")
+        elif after != before and after not in (GOAL_LEFT, GOAL_RIGHT):
+            said.append(PLAY_MODES[after])
+        if events & (E_EPISODE_OUT | E_EPISODE_TAKEN):
+            said.append(EPISODE_END)
+        return said
+
+
+ALL_PLAYERS = range(N_PLAYERS)
+"""Indices of all players, connected or not."""
