@@ -85,8 +85,8 @@ class RunConfig:
 
     def __post_init__(self) -> None:
         """Check what the parts have not checked themselves."""
-        if not (isinstance(self.hours, int | float) and 0.0 < self.hours <= 10_000.0):
-            raise ValueError(f"hours must be more than 0 and at most 10000, not {self.hours!r}")
+        if not (isinstance(self.hours, int | float) and 0.0 <= self.hours <= 10_000.0):
+            raise ValueError(f"hours must be 0 to 10000, not {self.hours!r}")
         if self.seed < 0:
             raise ValueError(f"a seed is a whole number of at least 0, not {self.seed}")
 

@@ -77,7 +77,7 @@ def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) 
             raise TrainingError(f"{folder} holds a trial with other settings; use a new folder for the results")
         return known
     started = time.monotonic()
-    config = RunConfig.from_dict({**job["config"], "hours": job["config"]["hours"] or 1.0})
+    config = RunConfig.from_dict(job["config"])
     rules = None if job["rules"] is None else DecisionList.from_json(job["rules"])
     demonstrations = _demonstrations(job)
     decisions = Decisions.of(*demonstrations.sequences()) if demonstrations and config.method.replay_passes else None
@@ -87,14 +87,14 @@ def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) 
         "trial": job["trial"],
         "seed": seed,
         "job": fingerprint(job),
-        "hours": job["config"]["hours"],
+        "hours": config.hours,
         "initial": _evaluation(_fresh(config, decisions), rules, config, derived_seed(seed, INITIAL), n),
         "greedy": None,
         "episodes": 0,
         "cycles": 0,
     }
     folder.mkdir(parents=True, exist_ok=True)
-    if job["config"]["hours"] > 0:
+    if config.hours > 0:
         run = _opened(folder, config, rules, decisions)
         _learn(run, job["rounds"], demonstrations, checkpoint_s)
         result["greedy"] = _evaluation(run.learners, run.rules, config, derived_seed(seed, FINAL), n)

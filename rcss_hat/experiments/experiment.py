@@ -1,0 +1,328 @@
+"""An experiment: a study and a folder with everything that was made for it.
+
+==========================  ============================================================================
+``study.toml``              the study as it was given
+``experiment.json``         what was asked for, versions, machine, duration
+``sets/``                   demonstration sets and their summaries, see `rcss_hat.experiments.sets`
+``trials/CONDITION/NN/``    training runs with ``result.json``, see `rcss_hat.experiments.trial`
+``report/``                 tables, figures and pages, see `rcss_hat.experiments.reporting`
+==========================  ============================================================================
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from joblib import Parallel, delayed
+
+from rcss_hat.experiments.episode_log import read_episode_log
+from rcss_hat.experiments.execution import Runner
+from rcss_hat.experiments.sets import PreparedSet, SetStore, fingerprint
+from rcss_hat.experiments.study import Condition, Study, StudyError, load_study, parse_study, study_text
+from rcss_hat.experiments.training import EPISODES, versions
+from rcss_hat.experiments.trial import RESULT, Job, read_result
+from rcss_hat.hat.files import write_text
+
+STUDY, INFO = "study.toml", "experiment.json"
+FORMAT, VERSION = "rcss-hat experiment", 1
+
+
+class ExperimentError(ValueError):
+    """An experiment that cannot be made, resumed or reported; the message says why and what would be right."""
+
+
+@dataclass(frozen=True, slots=True)
+class TrialRecord:
+    """A finished trial.
+
+    Attributes
+    ----------
+    result : dict
+        Of `rcss_hat.experiments.trial.run_trial`.
+    log : DataFrame or None
+        Episode log; None when the condition does not learn.
+    """
+
+    result: dict[str, Any]
+    log: pd.DataFrame | None
+
+
+class Experiment:
+    """A study in a folder; make it with `create`, or open it again with `open`.
+
+    Attributes
+    ----------
+    folder : Path
+    study : Study
+        With the numbers of trials and hours that were asked for.
+    info : dict
+        Contents of ``experiment.json``.
+    """
+
+    def __init__(self, folder: Path, study: Study, info: dict[str, Any]) -> None:
+        self.folder, self.study, self.info = folder, study, info
+        self.sets = SetStore(study, folder / "sets")
+
+    @classmethod
+    def create(
+        cls,
+        name_or_path: str,
+        folder: Path,
+        trials: int | None = None,
+        hours: float | None = None,
+        only: tuple[str, ...] = (),
+        command: str = "",
+    ) -> Experiment:
+        """Begin an experiment, or go on with the one in the folder.
+
+        Parameters
+        ----------
+        name_or_path : str
+            A study of the package or a TOML file.
+        folder : Path
+        trials, hours : optional
+            Instead of those in the study.
+        only : tuple of str
+            Names of conditions; by default all.
+        command : str
+            How this was asked for, for the report.
+
+        Raises
+        ------
+        StudyError
+            When the study is not valid.
+        ExperimentError
+            When the folder holds something else.
+        """
+        text, base = study_text(name_or_path)
+        study = load_study(name_or_path)
+        known = _read_info(folder) if (folder / INFO).exists() else None
+        if known is None and folder.exists() and any(folder.iterdir()):
+            raise ExperimentError(f"{folder} is not empty and holds no experiment; give another folder")
+        asked = {"trials": trials, "hours": hours, "only": list(only)}
+        info = {
+            "format": FORMAT,
+            "version": VERSION,
+            "study": name_or_path,
+            "base": str(base),
+            **asked,
+            "command": command,
+            "seconds": 0.0,
+            "finished_trials": 0,
+            **({} if known is None else {k: known[k] for k in ("seconds", "finished_trials")}),
+            "versions": versions(),
+            "machine": machine(),
+        }
+        experiment = cls(folder, _as_asked(study, info), info)
+        experiment.check()
+        folder.mkdir(parents=True, exist_ok=True)
+        write_text(folder / STUDY, text)
+        experiment._write_info()
+        return experiment
+
+    @classmethod
+    def open(cls, folder: Path) -> Experiment:
+        """Open an experiment for reporting.
+
+        Raises
+        ------
+        ExperimentError
+            When the folder holds none.
+        """
+        info = _read_info(folder)
+        try:
+            study = parse_study((folder / STUDY).read_text(encoding="utf-8"), Path(info["base"]))
+        except (FileNotFoundError, StudyError) as problem:
+            raise ExperimentError(f"{folder / STUDY} is not valid: {problem}") from problem
+        return cls(folder, _as_asked(study, info), info)
+
+    # -- work --------------------------------------------------------------------------------------------------------
+    def trial_folder(self, condition: str, trial: int) -> Path:
+        """Return the folder of a trial."""
+        return self.folder / "trials" / condition / f"{trial:02d}"
+
+    def used_sets(self) -> list[str]:
+        """Names of the demonstration sets that conditions and figures need."""
+        used: dict[str, None] = {}
+        for condition in self.study.conditions.values():
+            for name in (condition.demonstrations, *(r.demonstrations for r in condition.rounds)):
+                if name is not None:
+                    used[name] = None
+        for figure in self.study.figures:
+            used |= dict.fromkeys(figure.teachers)
+        return list(used)
+
+    def prepare_sets(self, processes: int = 1, told: Callable[[int, int], None] | None = None) -> None:
+        """Make and summarise all demonstration sets that are not there yet.
+
+        Parameters
+        ----------
+        processes : int
+        told : callable, optional
+            Told (sets ready, sets in all).
+
+        Raises
+        ------
+        StudyError
+            When a set cannot be had.
+        """
+        names = self.used_sets()
+        missing = [name for name in names if not self.sets.is_prepared(name)]
+        # Pools that several sets are drawn from are made once, here, and read by the others.
+        parts = {part for name in missing for part in self.study.sets[name].of}
+        pools = [p for p in self.study.sets if p in parts and self.study.sets[p].teacher is not None]
+        for name in [p for p in pools if p not in missing and not self.sets.is_prepared(p)]:
+            self.sets.prepare(name)
+        first = [name for name in missing if name in pools]
+        rest = [name for name in missing if name not in pools]
+        ready = len(names) - len(missing)
+        for part in (first, rest):
+            found = Parallel(n_jobs=processes, return_as="generator_unordered")(
+                delayed(_prepare)(self.study, self.sets.folder, name) for name in part
+            )
+            for _ in found:
+                ready += 1
+                if told is not None:
+                    told(ready, len(names))
+
+    def job(self, condition: Condition, trial: int) -> Job:
+        """Describe a trial as data; its demonstration sets must be prepared."""
+        uses = condition.demonstrations
+        prepared = self.sets.prepare(uses) if uses is not None else None
+        needs_decisions = condition.method.replay_passes > 0 or any(r.watch for r in condition.rounds)
+        return {
+            "condition": condition.name,
+            "trial": trial,
+            "config": condition.run_config(self.study.trial_seed(condition.name, trial)).to_dict(),
+            "rules": prepared.rules.to_json() if prepared and condition.method.needs_advice else None,
+            "demonstrations": _texts(self.sets.folder, prepared) if needs_decisions else None,
+            "rounds": [
+                {"hour": r.hour, "watch": r.watch, "episodes": r.episodes}
+                if r.watch is not None
+                else {"hour": r.hour, "rules": self.sets.prepare(str(r.demonstrations)).rules.to_json()}
+                for r in condition.rounds
+            ],
+            "evaluation_episodes": condition.evaluation_episodes,
+        }
+
+    def check(self) -> None:
+        """Check that what the folder holds belongs to this study.
+
+        Raises
+        ------
+        ExperimentError
+        """
+        try:
+            ready = [self.sets.is_prepared(name) for name in self.used_sets()]
+        except StudyError as problem:
+            raise ExperimentError(str(problem)) from problem
+        if not all(ready):
+            return
+        for condition in self.study.conditions.values():
+            for trial in range(condition.trials):
+                known = read_result(self.trial_folder(condition.name, trial))
+                if known is not None and known["job"] != fingerprint(self.job(condition, trial)):
+                    raise ExperimentError(
+                        f"{self.trial_folder(condition.name, trial)} was run with other settings than the study now "
+                        "has; use a new folder for the results"
+                    )
+
+    def missing(self) -> list[tuple[Job, Path]]:
+        """Return jobs and folders of trials that have not ended; first trials of all conditions come first."""
+        most = max(condition.trials for condition in self.study.conditions.values())
+        found = []
+        for trial in range(most):
+            for condition in self.study.conditions.values():
+                folder = self.trial_folder(condition.name, trial)
+                if trial < condition.trials and not (folder / RESULT).exists():
+                    found.append((self.job(condition, trial), folder))
+        return found
+
+    @property
+    def n_trials(self) -> int:
+        """Number of trials of the study."""
+        return sum(condition.trials for condition in self.study.conditions.values())
+
+    def run(self, runner: Runner) -> Iterator[dict[str, Any]]:
+        """Run what is missing, yielding results as they come.
+
+        Parameters
+        ----------
+        runner : callable
+            See `rcss_hat.experiments.execution`.
+        """
+        work = self.missing()
+        last = time.monotonic()
+        for result in runner([job for job, _ in work], [folder for _, folder in work]):
+            now = time.monotonic()
+            self.info["seconds"] = round(self.info["seconds"] + now - last, 1)
+            self.info["finished_trials"] += 1
+            last = now
+            self._write_info()
+            yield result
+
+    # -- results -----------------------------------------------------------------------------------------------------
+    def trials(self, condition: str) -> list[TrialRecord]:
+        """Read the finished trials of a condition, in order."""
+        records = []
+        for trial in range(self.study.conditions[condition].trials):
+            folder = self.trial_folder(condition, trial)
+            result = read_result(folder)
+            if result is not None:
+                log = read_episode_log(folder / EPISODES) if (folder / EPISODES).exists() else None
+                records.append(TrialRecord(result, log))
+        return records
+
+    def _write_info(self) -> None:
+        write_text(self.folder / INFO, json.dumps(self.info, indent=1) + "\n")
+
+
+def machine() -> dict[str, Any]:
+    """Describe this machine, as far as it matters for durations."""
+    return {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()}
+
+
+def _processor() -> str:
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        for line in info.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def _as_asked(study: Study, info: dict[str, Any]) -> Study:
+    if info["only"]:
+        study = study.chosen(tuple(info["only"]))
+    return study.scaled(info["trials"], info["hours"])
+
+
+def _read_info(folder: Path) -> dict[str, Any]:
+    try:
+        info = json.loads((folder / INFO).read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError) as problem:
+        raise ExperimentError(f"{folder} is not the folder of an experiment: it has no {INFO}") from problem
+    except json.JSONDecodeError as problem:
+        raise ExperimentError(f"{folder / INFO} is not valid: {problem}") from problem
+    if not isinstance(info, dict) or info.get("format") != FORMAT or info.get("version") != VERSION:
+        raise ExperimentError(f"{folder / INFO} is not of an experiment of this version")
+    return info
+
+
+def _prepare(study: Study, folder: Path, name: str) -> str:
+    SetStore(study, folder).prepare(name)
+    return name
+
+
+def _texts(folder: Path, prepared: PreparedSet | None) -> dict[str, str] | None:
+    if prepared is None or prepared.demonstrations is None:
+        return None
+    return {e: (folder / f"{prepared.name}.{e}").read_text(encoding="utf-8") for e in ("csv", "json")}
