@@ -18,7 +18,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.angles import RAD, normalize_radians
+from rcss_hat.numeric.angles import RAD, normalize_radians, quick_atan2
 from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.wire import six_digits
 
@@ -33,8 +33,7 @@ _SIX_DIGITS = 1e6
 @inlined
 def relative_direction(dx: float, dy: float, body: float, neck: float) -> float:
     """Direction (radians) of a vector relative to the face."""
-    where = 0.0 if dx == 0.0 and dy == 0.0 else math.atan2(dy, dx)
-    return float(normalize_radians(normalize_radians(where - body) - neck))
+    return float(normalize_radians(normalize_radians(quick_atan2(dy, dx) - body) - neck))
 
 
 @inlined
@@ -43,11 +42,27 @@ def whole_degrees(angle: float) -> float:
     return float(np.rint(angle * RAD) + 0.0)
 
 
+def _tenths_table(step: float) -> NDArray[np.float64]:
+    """Reported distances in tenths for all steps k of the logarithm from -3 (below it all are 0) to log(250 m)."""
+    return np.array([np.rint(math.exp(k * step) / 0.1) for k in range(round(-3.0 / step), round(5.52 / step))])
+
+
+_COARSE, _FINE = 0.1, 0.01
+"""The default steps, for which the reported distances are tabulated: the exponential costs as much as all the rest."""
+_COARSE_TENTHS, _FINE_TENTHS = _tenths_table(_COARSE), _tenths_table(_FINE)
+
+
 @inlined
 def quantized_tenths(dist: float, step: float) -> float:
     """Reported distance in tenths of a metre, a whole number."""
-    near = math.exp(np.rint(math.log(dist + _EPS) / step) * step) if step >= _EPS else dist
-    return float(np.rint(near / 0.1))
+    if step < _EPS:
+        return float(np.rint(dist / 0.1))
+    k = np.rint(math.log(dist + _EPS) / step)
+    if step == _FINE and -300.0 <= k < 552.0:
+        return float(_FINE_TENTHS[int(k) + 300])
+    if step == _COARSE and -30.0 <= k < 55.0:
+        return float(_COARSE_TENTHS[int(k) + 30])
+    return float(np.rint(math.exp(k * step) / 0.1))
 
 
 @kernel

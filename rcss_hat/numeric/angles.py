@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rcss_hat.numeric.jit import inlined
 
@@ -43,3 +44,39 @@ def direction(x: float, y: float) -> float:
     if x == 0.0 and y == 0.0:
         return 0.0
     return math.atan2(y, x) * RAD
+
+
+_CELLS = 256
+"""Cells of the table of arctangents in [0, 1]."""
+
+
+def _arctangents() -> NDArray[np.float64]:
+    """Taylor coefficients of the arctangent at the cells' ends, shape (_CELLS + 1, 4)."""
+    t = np.arange(_CELLS + 1) / _CELLS
+    slope = 1.0 / (1.0 + t * t)
+    return np.stack([np.arctan(t), slope, -t * slope**2, (t * t - 1.0 / 3.0) * slope**3], axis=1)
+
+
+_ARCTANGENTS = _arctangents()
+
+
+@inlined
+def quick_atan2(y: float, x: float) -> float:
+    """``math.atan2`` in half its time; off by less than 5e-12 radians, exact on axes and diagonals, 0 for (0, 0).
+
+    The sign of a zero y is not looked at: the direction (-1, -0) is pi.
+    """
+    ax, ay = abs(x), abs(y)
+    longer = max(ax, ay)
+    if longer == 0.0:
+        return 0.0
+    t = min(ax, ay) / longer
+    k = int(t * _CELLS + 0.5)
+    h = t - k / _CELLS
+    c = _ARCTANGENTS
+    angle = c[k, 0] + h * (c[k, 1] + h * (c[k, 2] + h * c[k, 3]))
+    if ay > ax:
+        angle = 0.5 * math.pi - angle
+    if x < 0.0:
+        angle = math.pi - angle
+    return -angle if y < 0.0 else angle

@@ -110,6 +110,13 @@ def fingerprint(module: str) -> str:
     return digest.hexdigest()[:16]
 
 
+def is_cached(module: str) -> bool:
+    """Tell whether kernels of a module, as its sources are now, were compiled before on this machine."""
+    if config.DISABLE_JIT or config.CACHE_DIR:
+        return True
+    return (cache_root() / f"{module}-{fingerprint(module)}").is_dir()
+
+
 def njit(function: F) -> F:
     """Compile a function with numba, cached per state of the sources it depends on.
 

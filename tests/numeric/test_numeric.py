@@ -70,3 +70,15 @@ def test_fingerprint_covers_imported_modules() -> None:
     assert jit.fingerprint("rcss_hat.numeric.wire") != jit.fingerprint("rcss_hat.numeric.angles")
     assert "rcss_hat.numeric.jit" in jit._imports("from rcss_hat.numeric.jit import njit\n")
     assert "rcss_hat.numeric.rng" in jit._imports("from rcss_hat.numeric import (\n    rng,\n    wire,\n)\n")
+
+
+@given(st.floats(-1000, 1000), st.floats(-1000, 1000))
+def test_quick_atan2_is_near_enough(y: float, x: float) -> None:
+    error = abs(angles.quick_atan2(y, x) - math.atan2(y, x))
+    assert min(error, 2.0 * math.pi - error) < 5e-12 or (x == 0.0 and y == 0.0)
+
+
+def test_quick_atan2_is_exact_on_axes_and_diagonals() -> None:
+    for y, x in ((0, 3), (3, 0), (0, -3), (-3, 0), (2, 2), (2, -2), (-2, -2), (-2, 2)):
+        assert angles.quick_atan2(float(y), float(x)) == math.atan2(y, x)
+    assert angles.quick_atan2(0.0, 0.0) == 0.0
