@@ -34,7 +34,9 @@ def run(arguments: Sequence[str]) -> int:
 def _serve(arguments: Sequence[str]) -> int:
     options = parse_options(arguments)
     from fake_server.server import Server, signals_stop
+    from fake_server.warm_up import warm_up
 
+    warm_up(options.quiet)
     server = Server(options)
     with signals_stop(server):
         profile = options.params.profile

@@ -38,6 +38,7 @@ from fake_server.simulation.state import (
     TIME_OVER,
 )
 from fake_server.trainer import TrainerClient
+from fake_server.warm_up import warm_up
 from rcss_hat.protocol import commands as said
 
 TICK_S = clock.TICK_MS / 1000.0
@@ -518,6 +519,7 @@ def running_server(
     Server
         Its ports answer already.
     """
+    warm_up(quiet=True)
     server = Server(options, on_episode, wait)
     thread = threading.Thread(target=server.run, name="fake-rcssserver", daemon=True)
     thread.start()
