@@ -117,6 +117,7 @@ def _tabulate(agent: Record, params: Record) -> None:
 def _forget(agent: Record) -> None:
     """Forget where everybody is: they have been moved."""
     agent["ball_seen"][0] = NEVER
+    agent["guessed"][0] = 0
     for o in range(N_SLOTS):
         if o != agent["me"][0]:
             agent["player_seen"][0, o] = NEVER

@@ -16,7 +16,7 @@ from rcss_hat.player.motion import (
     ball_after,
     dash_acceleration,
     needs_turn,
-    planned_turn,
+    planned_rotation,
     strongest_dash,
     to_body,
 )
@@ -146,12 +146,9 @@ def _turn_to(
     cycles = 0
     while cycles < _MOST_MOVES:
         if needs_turn(agent, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE):
-            moment = planned_turn(agent, params, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE)
-            inertia = 1.0 + params["inertia_moment"][0] * math.sqrt(v_forward * v_forward + v_side * v_side)
-            turned = moment / inertia * DEG
-            c, s = math.cos(turned), math.sin(turned)
+            c, s = planned_rotation(agent, params, forward, side, v_forward, v_side, 1)
             goal_forward, goal_side = goal_forward * c + goal_side * s, goal_side * c - goal_forward * s
-            forward, side, v_forward, v_side = after_turn(params, moment, forward, side, v_forward, v_side)
+            forward, side, v_forward, v_side = after_turn(params, c, s, forward, side, v_forward, v_side)
         else:
             acceleration = dash_acceleration(agent, params, forward, v_forward, 1, strongest)
             if acceleration >= 0.0 or goal_forward >= _COS_20:
@@ -175,8 +172,8 @@ def _own_cycles(agent: Record, params: Record, x: float, y: float, goal_x: float
     strongest = strongest_dash(agent, params)
     while forward * forward + side * side > reach2 and cycles < NOT_IN_TIME:
         if needs_turn(agent, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE):
-            moment = planned_turn(agent, params, forward, side, v_forward, v_side, 1, TURN_AROUND_DISTANCE)
-            forward, side, v_forward, v_side = after_turn(params, moment, forward, side, v_forward, v_side)
+            c, s = planned_rotation(agent, params, forward, side, v_forward, v_side, 1)
+            forward, side, v_forward, v_side = after_turn(params, c, s, forward, side, v_forward, v_side)
         else:
             acceleration = dash_acceleration(agent, params, forward, v_forward, 1, strongest)
             forward, side, v_forward, v_side = after_dash(params, acceleration, forward, side, v_forward, v_side)

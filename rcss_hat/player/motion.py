@@ -22,18 +22,26 @@ Record = NDArray[np.void]
 
 TURN_AROUND_DISTANCE = 2.5
 """Targets nearer than this may be reached backwards (m)."""
+_ATAN_1_5 = math.atan(1.5) * RAD
 
 
 @kernel
 def face(agent: Record, neck: float) -> None:
     """Set the global direction of the own neck; the body follows from the sensed head angle."""
-    head = agent["head"][0]
     neck = normalize_degrees(neck)
-    if neck != agent["neck"][0]:
-        agent["neck"][0] = neck
-        agent["neck_cos"][0] = math.cos(neck * DEG)
-        agent["neck_sin"][0] = math.sin(neck * DEG)
-    c, s = agent["neck_cos"][0], agent["neck_sin"][0]
+    if neck == agent["neck"][0]:
+        face_along(agent, neck, agent["neck_cos"][0], agent["neck_sin"][0])
+    else:
+        face_along(agent, neck, math.cos(neck * DEG), math.sin(neck * DEG))
+
+
+@inlined
+def face_along(agent: Record, neck: float, c: float, s: float) -> None:
+    """`face` for a direction in (-180, 180] whose cosine and sine are known."""
+    head = agent["head"][0]
+    agent["neck"][0] = neck
+    agent["neck_cos"][0] = c
+    agent["neck_sin"][0] = s
     agent["body"][0] = normalize_degrees(neck - head)
     agent["body_cos"][0] = c * whole_cos(head) + s * whole_sin(head)
     agent["body_sin"][0] = s * whole_cos(head) - c * whole_sin(head)
@@ -214,16 +222,32 @@ def planned_move(agent: Record, params: Record, x: float, y: float, cycles: int,
 
 
 @kernel
+def planned_rotation(
+    agent: Record, params: Record, forward: float, side: float, v_forward: float, v_side: float, cycles: int
+) -> tuple[float, float]:
+    """Cosine and sine of the angle that the turn of a planned move turns by."""
+    roll = agent["roll"][0, min(cycles, 4)]
+    ahead = forward - v_forward * roll
+    across = side - v_side * roll
+    inertia = 1.0 + params["inertia_moment"][0] * math.sqrt(v_forward * v_forward + v_side * v_side)
+    if ahead > 0.0 and abs(across) < 1.5 * ahead and inertia * _ATAN_1_5 < params["maxmoment"][0]:
+        # One turn is enough: afterwards the body points at the target.
+        scale = 1.0 / math.sqrt(ahead * ahead + across * across)
+        return ahead * scale, across * scale
+    moment = planned_turn(agent, params, forward, side, v_forward, v_side, cycles, TURN_AROUND_DISTANCE)
+    turned = moment / inertia * DEG
+    return math.cos(turned), math.sin(turned)
+
+
+@inlined
 def after_turn(
-    params: Record, moment: float, forward: float, side: float, v_forward: float, v_side: float
+    params: Record, c: float, s: float, forward: float, side: float, v_forward: float, v_side: float
 ) -> tuple[float, float, float, float]:
-    """Target and velocity in the body frame after a cycle in which the player turned."""
-    turned = moment / (1.0 + params["inertia_moment"][0] * math.sqrt(v_forward * v_forward + v_side * v_side)) * DEG
+    """Target and velocity in the body frame after a cycle in which the player turned by an angle (cosine, sine)."""
     v_forward, v_side = limited(v_forward, v_side, params["player_speed_max"][0])
     forward -= v_forward
     side -= v_side
     decay = params["player_decay"][0]
-    c, s = math.cos(turned), math.sin(turned)
     return (
         forward * c + side * s,
         side * c - forward * s,
@@ -251,8 +275,8 @@ def miss_after(
     for i in range(cycles):
         left = cycles - i
         if needs_turn(agent, forward, side, v_forward, v_side, left, TURN_AROUND_DISTANCE):
-            moment = planned_turn(agent, params, forward, side, v_forward, v_side, left, TURN_AROUND_DISTANCE)
-            forward, side, v_forward, v_side = after_turn(params, moment, forward, side, v_forward, v_side)
+            c, s = planned_rotation(agent, params, forward, side, v_forward, v_side, left)
+            forward, side, v_forward, v_side = after_turn(params, c, s, forward, side, v_forward, v_side)
         else:
             acceleration = dash_acceleration(agent, params, forward, v_forward, left, strongest)
             forward, side, v_forward, v_side = after_dash(params, acceleration, forward, side, v_forward, v_side)

@@ -91,6 +91,7 @@ AGENT = np.dtype(
         ("player_change", "i4", _S),  # cycle of the last seen velocity
         ("player_angles", "i4", _S),  # cycle of the last seen body angle
         ("player_known", "u1", _S),  # 0: put into this slot without its number having been read
+        ("guessed", "u1"),  # in this episode somebody was
         ("player_see_pos", "f8", (N_SLOTS, 2)),  # when last seen
         ("player_see_time", "i4", _S),
         ("player_see_vel", "f8", (N_SLOTS, 2)),

@@ -13,7 +13,7 @@ from rcss_hat.player.bodily import set_ball
 from rcss_hat.player.geometry import whole_cos, whole_sin
 from rcss_hat.player.ghosts import remove_ghosts
 from rcss_hat.player.localisation import locate
-from rcss_hat.player.motion import face, sensed_velocity
+from rcss_hat.player.motion import face_along, sensed_velocity
 from rcss_hat.player.objects import FAR, closest_opponent, distance2_to, is_known
 from rcss_hat.player.records import N_SLOTS, OPPONENTS
 from rcss_hat.player.strangers import forget_strangers_near, recognise
@@ -38,11 +38,17 @@ _STILL = 1e-4
 def shows_everyone(agent: Record, see: Record) -> bool:
     """Tell whether a see message shows every other known player, with number."""
     shown = 1 << agent["me"][0]
-    for i in range(see["n"][0]):
-        if see["code"][0, i] == PLAYER and see["fields"][0, i] & HAS_CHANGE and see["unum"][0, i] > 0:
+    for i in range(see["n"][0] - 1, -1, -1):
+        code = see["code"][0, i]
+        if code < BALL:
+            break
+        if code == PLAYER and see["fields"][0, i] & HAS_CHANGE and see["unum"][0, i] > 0:
             shown |= 1 << _slot(see, i)
     missing = 0
-    for o in range(N_SLOTS):
+    for o in range(agent["top_own"][0]):
+        if not (shown >> o) & 1 and is_known(agent, o):
+            missing += 1
+    for o in range(OPPONENTS, agent["top_other"][0]):
         if not (shown >> o) & 1 and is_known(agent, o):
             missing += 1
     return missing == 0
@@ -60,9 +66,11 @@ def watch(agent: Record, params: Record, see: Record) -> None:
     agent["see_time"][0] = see["time"][0]
     _set_pose(agent, see)
     strangers, ball = False, -1
-    for i in range(see["n"][0]):
+    for i in range(see["n"][0] - 1, -1, -1):
         code = see["code"][0, i]
-        if code < BALL or not see["fields"][0, i] & HAS_DISTANCE:
+        if code < BALL:
+            break
+        if not see["fields"][0, i] & HAS_DISTANCE:
             continue
         if code in (BALL, CLOSE_BALL):
             ball = i
@@ -80,8 +88,8 @@ def watch(agent: Record, params: Record, see: Record) -> None:
 
 @kernel
 def _set_pose(agent: Record, see: Record) -> None:
-    x, y, neck = locate(agent, see)
-    face(agent, neck)
+    x, y, neck, c, s = locate(agent, see)
+    face_along(agent, neck, c, s)
     agent["shift"][0, 0] = x - agent["pos"][0, 0]
     agent["shift"][0, 1] = y - agent["pos"][0, 1]
     agent["pos"][0, 0] = x
@@ -118,7 +126,8 @@ def _see_player(agent: Record, params: Record, see: Record, i: int, o: int) -> N
     wx, wy = _world_direction(agent, see, i)
     x = agent["pos"][0, 0] + see["distance"][0, i] * wx
     y = agent["pos"][0, 1] + see["distance"][0, i] * wy
-    forget_strangers_near(agent, params, o, x, y)
+    if agent["guessed"][0]:
+        forget_strangers_near(agent, params, o, x, y)
     vx, vy = agent["player_vel"][0, o, 0], agent["player_vel"][0, o, 1]
     if fields & HAS_CHANGE:
         vx, vy = _seen_velocity(agent, see, i, wx, wy)

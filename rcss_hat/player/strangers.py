@@ -138,6 +138,7 @@ def _place(agent: Record, see: Record, i: int, slot: int, sure: bool) -> None:
     """Believe that the stranger at index i is a certain player."""
     x, y = _position(agent, see, i)
     if not sure:
+        agent["guessed"][0] = 1
         agent["player_vel"][0, slot, 0] = 0.0
         agent["player_vel"][0, slot, 1] = 0.0
         agent["player_see_vel"][0, slot, 0] = 0.0
