@@ -251,6 +251,12 @@ class Experiment:
         """Number of trials of the study."""
         return sum(condition.trials for condition in self.study.conditions.values())
 
+    @property
+    def finished(self) -> int:
+        """Number of trials that have ended."""
+        counts = [(c.name, trial) for c in self.study.conditions.values() for trial in range(c.trials)]
+        return sum((self.trial_folder(*key) / RESULT).exists() for key in counts)
+
     def run(self, runner: Runner) -> Iterator[dict[str, Any]]:
         """Run what is missing, yielding results as they come.
 
@@ -287,7 +293,7 @@ class Experiment:
 
 def machine() -> dict[str, Any]:
     """Describe this machine, as far as it matters for durations."""
-    return {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()}
+    return {"system": f"{platform.system()} {platform.machine()}", "processor": _processor(), "cores": os.cpu_count()}
 
 
 def _processor() -> str:

@@ -1,0 +1,382 @@
+"""The report of an experiment: the paper's tables and figures with ours beside them, statistics, and verdicts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from rcss_hat.experiments.document import Code, Document, FigureBlock, Heading, Paragraph, TableBlock
+from rcss_hat.experiments.experiment import Experiment, ExperimentError
+from rcss_hat.experiments.figures import learning_curve_figure
+from rcss_hat.experiments.predictors import FIGURES, predict, predictor_figure, sampled_frame
+from rcss_hat.experiments.results import MEASURES, SIGNIFICANT, Evidence, Results
+from rcss_hat.experiments.study import Figure, Published, Table
+from rcss_hat.hat.files import write_text
+
+PAPER_MEASURES = ("jumpstart", "final", "total")
+NOTHING = "–"
+DEFINITIONS = """Episode durations are in seconds of simulated time (ten cycles). **Jumpstart**: mean duration of the
+initial policy without learning and exploration, minus the baseline's. **Final**: mean of the last 1,000 episodes of
+training. **Total Reward**: sum, over every whole hour, of the mean of the 1,000 episodes before it (of all there are in
+the first hours). **Without exploration**: mean of episodes played after training with learning and exploration off.
+± is the standard error over trials; bold is significantly different from the baseline by the paper's test (two-sided
+Student t, p < 0.05). The statistics below a table: difference of means with its bootstrap 95 % interval (BCa), p by
+Student's t-test and by Welch's with Holm's correction over the table, and the probability that a trial of the condition
+beats one of the baseline. Trials differ by seed and share their demonstrations, so statements are about these sets."""
+
+
+def write_report(experiment: Experiment, folder: Path | None = None) -> list[Path]:
+    """Write the report of what has been run so far.
+
+    Parameters
+    ----------
+    experiment : Experiment
+    folder : Path, optional
+        By default ``report`` in the experiment's folder.
+
+    Returns
+    -------
+    list of Path
+        The Markdown and HTML pages; tables and figures are beside them.
+
+    Raises
+    ------
+    ExperimentError
+        When no trial has ended yet.
+    """
+    results = Results(experiment)
+    if not results.trials:
+        raise ExperimentError(f"no trial in {experiment.folder} has ended yet")
+    folder = experiment.folder / "report" if folder is None else folder
+    document = make_document(results)
+    pages = document.save(folder)
+    write_text(folder / "trials.csv", results.frame().to_csv(index=False, lineterminator="\n"))
+    return pages
+
+
+def make_document(results: Results) -> Document:
+    """Put the report together."""
+    study = results.study
+    document = Document(study.title)
+    if study.description:
+        document.add(Paragraph(study.description))
+    document.add(Paragraph(_state(results)))
+    if study.claims:
+        document.add(Heading("Claims"), *_claims(results))
+    shown = [t for t in tables_of(results) if any(name in results.trials for name in t.conditions)]
+    if shown:
+        document.add(Heading("Results"), Paragraph(" ".join(DEFINITIONS.split())))
+    for table in shown:
+        document.add(Heading(table.title, 3), TableBlock(result_table(results, table), name=table.name))
+        statistics = statistics_table(results, table)
+        if len(statistics):
+            document.add(TableBlock(statistics, name=f"{table.name}-statistics"))
+    document.add(*_figures(results))
+    if shown:
+        more = TableBlock(more_table(results), name="all-conditions")
+        document.add(Heading("All conditions"), Paragraph(_threshold_text(results)), more)
+    document.add(*_predictors(results))
+    document.add(*_sets(results))
+    document.add(Heading("How it was run"), *_how(results))
+    return document
+
+
+# -- tables ----------------------------------------------------------------------------------------------------------
+
+
+def tables_of(results: Results) -> tuple[Table, ...]:
+    """Return the study's tables, or one of all its conditions that learn."""
+    if results.study.tables:
+        return results.study.tables
+    names = tuple(n for n in results.trials if results.study.conditions[n].hours > 0)
+    return (Table(name="conditions", title="Conditions", conditions=names),) if names else ()
+
+
+def result_table(results: Results, table: Table) -> pd.DataFrame:
+    """Return a table of the three measures, ours and, where there are any, the published ones beside them."""
+    names = [name for name in table.conditions if name in results.trials]
+    published = {name: results.study.conditions[name].published for name in names}
+    with_paper = any(p != Published() for p in published.values())
+    significant = {m: _significant(results, names, m) for m in PAPER_MEASURES}
+    rows = []
+    for name in names:
+        row = {"Method": results.label(name), "Trials": str(len(results.trials[name]))}
+        for measure in PAPER_MEASURES:
+            mean, error = results.value(name, measure)
+            text = _number(mean, measure) + (f" ± {_number(error, measure)}" if math.isfinite(error) else "")
+            row[MEASURES[measure]] = f"**{text}**" if name in significant[measure] else text
+            if with_paper:
+                row[f"{MEASURES[measure]}, paper"] = _published(published[name], measure)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def statistics_table(results: Results, table: Table) -> pd.DataFrame:
+    """Return the comparisons behind a table, one row per condition and measure."""
+    rows = []
+    for measure in PAPER_MEASURES:
+        compared = results.comparisons(table.conditions, measure)
+        for name, c in compared.iterrows():
+            rows.append(
+                {
+                    "Method": results.label(str(name)),
+                    "Measure": MEASURES[measure],
+                    "Difference": _number(c["difference"], measure, sign=True),
+                    "95 % interval": f"{_number(c['low'], measure, True)} to {_number(c['high'], measure, True)}",
+                    "p, Student": _p(c["p_student"]),
+                    "p, Welch + Holm": _p(c["p_holm"]),
+                    "P(improvement)": f"{c['p_improvement']:.2f}",
+                    "n": f"{c['n']:.0f} / {c['n_baseline']:.0f}",
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def more_table(results: Results) -> pd.DataFrame:
+    """Return all measures of all conditions that learned, with the time to the threshold."""
+    rows = []
+    for name in results.trials:
+        if results.study.conditions[name].hours == 0:
+            continue
+        row = {"Condition": name, "Trials": str(len(results.trials[name]))}
+        for measure, words in MEASURES.items():
+            row[words] = _number(results.value(name, measure)[0], measure)
+        row["Hours to threshold"] = _number(results.hours_to_threshold(name), "final")
+        episodes = [record.result["episodes"] for record in results.trials[name]]
+        row["Episodes"] = f"{sum(episodes) / len(episodes):.0f}"
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _significant(results: Results, names: Sequence[str], measure: str) -> set[str]:
+    compared = results.comparisons(names, measure)
+    return set() if compared.empty else {str(n) for n in compared.index[compared["p_student"] < SIGNIFICANT]}
+
+
+def _published(published: Published, measure: str) -> str:
+    value = getattr(published, measure)
+    if value is None:
+        return NOTHING
+    text = f"{value:.2f}" if measure == "jumpstart" else f"{value:.0f}" if measure == "total" else f"{value:.1f}"
+    return f"**{text}**" if measure in published.significant else text
+
+
+def _number(value: float, measure: str, sign: bool = False) -> str:
+    if not math.isfinite(value):
+        return NOTHING
+    digits = 1 if measure == "total" else 2
+    return f"{value:{'+' if sign else ''}.{digits}f}"
+
+
+def _p(value: float) -> str:
+    return "< 0.0001" if value < 1e-4 else f"{value:.4f}"
+
+
+# -- parts -----------------------------------------------------------------------------------------------------------
+
+
+def _state(results: Results) -> str:
+    study = results.study
+    done, wanted = sum(map(len, results.trials.values())), sum(c.trials for c in study.conditions.values())
+    learning = {f"{c.hours:g}" for c in study.conditions.values() if c.hours > 0}
+    hours = f", {' or '.join(sorted(learning))} simulated hours each" if learning else ""
+    missing = "" if done == wanted else f" **{wanted - done} trials are missing**, so this is a preliminary report."
+    conditions = f"{len(results.trials)} condition{'s' if len(results.trials) > 1 else ''}"
+    return f"{conditions}, {done} finished trials{hours}.{missing}"
+
+
+def _claims(results: Results) -> list[Heading | Paragraph | TableBlock]:
+    verdicts = results.verdicts()
+    rows = [
+        {
+            "": str(k),
+            "Claim": verdict.claim.text,
+            "Verdict": f"**{verdict.verdict}**",
+            "Comparisons that hold": f"{sum(bool(e.holds) for e in verdict.evidence)} of {len(verdict.evidence)}",
+        }
+        for k, verdict in enumerate(verdicts, 1)
+    ]
+    evidence = [
+        {"Claim": str(k), **_evidence_row(results, e)}
+        for k, verdict in enumerate(verdicts, 1)
+        for e in verdict.evidence
+    ]
+    meaning = (
+        "A claim is reproduced when all comparisons behind it hold, not reproduced when none does, different when some "
+        "do. The paper's test decides (two-sided Student t, p < 0.05)."
+    )
+    return [
+        TableBlock(pd.DataFrame(rows), prose=True, name="claims"),
+        Paragraph(meaning),
+        TableBlock(pd.DataFrame(evidence), name="claims-evidence"),
+    ]
+
+
+def _evidence_row(results: Results, e: Evidence) -> dict[str, str]:
+    labels = {name: c.label for name, c in results.study.conditions.items()}
+    claimed = f"{labels[e.condition]}: {e.test.metric} {e.test.test} than {labels[e.than]}"
+    if e.test.test == "similar":
+        claimed = f"{labels[e.condition]}: {e.test.metric} similar to {labels[e.than]}"
+    row = {
+        "Comparison": claimed,
+        "Difference": NOTHING,
+        "95 % interval": NOTHING,
+        "p, Student": NOTHING,
+        "p, Welch": NOTHING,
+    }
+    if e.comparison is not None:
+        c, m = e.comparison, e.test.metric
+        row["Difference"] = _number(c.difference, m, True)
+        row["95 % interval"] = f"{_number(c.low, m, True)} to {_number(c.high, m, True)}"
+        row["p, Student"], row["p, Welch"] = _p(c.p_student), _p(c.p_welch)
+    return {**row, "Holds": {True: "yes", False: "no", None: "not tested"}[e.holds]}
+
+
+def _figures(results: Results) -> list[Heading | FigureBlock]:
+    blocks: list[Heading | FigureBlock] = []
+    names = tuple(n for n in results.trials if results.study.conditions[n].hours > 0)
+    everything = (Figure(name="learning-curves", title="Learning curves", conditions=names),)
+    for figure in results.study.figures or everything:
+        curves = {}
+        for name in figure.conditions:
+            found = results.curves(name) if name in results.trials else None
+            if found is not None:
+                curves[results.label(name)] = found
+        if not curves:
+            continue
+        lines = {}
+        for name in figure.teachers:
+            prepared = results.experiment.sets.prepare(name)
+            if "mean_s" in prepared.figures:
+                lines[f"{prepared.label}, demonstrations"] = prepared.figures["mean_s"]
+        drawn = learning_curve_figure(curves, lines)
+        caption = (
+            f"{figure.title}. Mean over trials of the mean duration of the last 1,000 episodes; bars: standard error."
+        )
+        blocks.append(FigureBlock(drawn, figure.name, caption))
+    return [Heading("Learning curves"), *blocks] if blocks else []
+
+
+def _threshold_text(results: Results) -> str:
+    if results.threshold is None:
+        return "All measures, in seconds."
+    return (
+        f"All measures, in seconds. Hours to threshold: when the mean learning curve reaches {results.threshold:g} s, "
+        "which is 0.3 s below the baseline's final reward, as in the paper."
+    )
+
+
+def _predictors(results: Results) -> list[Heading | Paragraph | TableBlock | FigureBlock]:
+    if results.study.sampling is None:
+        return []
+    blocks: list[Heading | Paragraph | TableBlock | FigureBlock] = [Heading("What predicts how much a set helps")]
+    outcomes = ["jumpstart"] + (["total"] if results.study.sampling.hours >= 1 else [])
+    for outcome in outcomes:
+        frame = sampled_frame(results, outcome)
+        try:
+            prediction = predict(frame, outcome, results.study.seed)
+        except ValueError as problem:
+            blocks.append(Paragraph(f"{str(problem).capitalize()}."))
+            continue
+        rows = [
+            {"Figure of the set": FIGURES[str(k)], "Rank correlation": f"{r['rho']:+.2f}",
+             "95 % interval": f"{r['low']:+.2f} to {r['high']:+.2f}", "p": _p(r["p"])}
+            for k, r in prediction.correlations.iterrows()
+        ]  # fmt: skip
+        blocks += [
+            Heading(f"{MEASURES[outcome]}, {len(frame)} sets", 3),
+            Paragraph(
+                f"{MEASURES[outcome]} from {frame[outcome].min():+.2f} to {frame[outcome].max():+.2f}, mean "
+                f"{frame[outcome].mean():+.2f}. On sets left out, a ridge regression on all figures explains "
+                f"{100 * prediction.r2_linear:.0f} % of the variance, a random forest "
+                f"{100 * prediction.r2_forest:.0f} %."
+            ),
+            FigureBlock(
+                predictor_figure(prediction, "s" if outcome == "jumpstart" else "s, summed over hours"),
+                f"predictors-{outcome}",
+                f"{MEASURES[outcome]} of sampled demonstration sets against the figures that correlate with it most.",
+            ),
+            TableBlock(pd.DataFrame(rows), name=f"predictors-{outcome}"),
+        ]
+    return blocks
+
+
+def _sets(results: Results) -> list[Heading | Paragraph | TableBlock | Code]:
+    sampled = set() if results.study.sampling is None else {n for n in results.trials if n.startswith("set-")}
+    names = [name for name in results.experiment.used_sets() if name not in sampled]
+    if not names:
+        return []
+    rows, texts = [], []
+    for name in names:
+        prepared = results.experiment.sets.prepare(name)
+        f = prepared.figures
+        row = {"Set": prepared.label, "Rules": str(f.get("rules", NOTHING))}
+        if prepared.demonstrations is not None:
+            row |= {
+                "Episodes": str(f["episodes"]),
+                "Mean (s)": f"{f['mean_s']:.1f}",
+                "Decisions": str(f["decisions"]),
+                "Passes": f"{100 * f['pass_share']:.1f} %",
+                "Accuracy of D": _percent(f["accuracy"]),
+                "episodes left out": _percent(f["episode_accuracy"]),
+                "Most frequent action": _percent(f["majority_share"]),
+            }
+        rows.append(row)
+        texts.append(f"{prepared.label}:\n{prepared.rules.format(comments=False, digits=2)}")
+    explained = (
+        "Accuracy is that of stratified cross-validation, as in the paper; beside it whole episodes are left out, and "
+        "the share of the most frequent action says what always giving the same answer would reach."
+    )
+    table = TableBlock(pd.DataFrame(rows).fillna(NOTHING), name="demonstration-sets")
+    return [Heading("Demonstrations"), table, Paragraph(explained), Code("\n\n".join(texts))]
+
+
+def _percent(value: float | None) -> str:
+    return NOTHING if value is None else f"{100 * value:.1f} %"
+
+
+def _how(results: Results) -> list[Paragraph | TableBlock | Code]:
+    info, study = results.experiment.info, results.study
+    machine, versions = info["machine"], info["versions"]
+    wall = sum(record.result["wall_s"] for records in results.trials.values() for record in records)
+    learners = {c.learner.name: c.learner for c in study.conditions.values()}
+    settings = "; ".join(
+        f"learner {name}: "
+        + ", ".join(f"{k} {v}" for k, v in learner.to_dict().items() if k not in ("name", "description"))
+        for name, learner in learners.items()
+    )
+    text = (
+        f"{machine['processor']}, {machine['cores']} cores, {machine['system']}; rcss-hat {versions['rcss-hat']}, "
+        f"Python {versions['python']}, NumPy {versions['numpy']}, numba {versions['numba']}. "
+        f"{_duration(info['seconds'])} for {info['finished_trials']} trials ({_duration(wall)} of trials' own time)."
+    )
+    rows = []
+    for name, records in results.trials.items():
+        c = study.conditions[name]
+        rows.append(
+            {
+                "Condition": name,
+                "Task": f"{c.task.size}, {c.task.field} m, vision {c.task.vision}, physics of {c.task.profile}",
+                "Method": c.method.describe(),
+                "Learner": c.learner.name,
+                "Demonstrations": c.demonstrations or NOTHING,
+                "Hours": f"{c.hours:g}",
+                "Seeds": ", ".join(str(record.result["seed"]) for record in records),
+            }
+        )
+    command = [Code(info["command"])] if info["command"] else []
+    return [
+        *command,
+        Paragraph(text),
+        Paragraph(f"Settings of the learners. {settings}. Seeds are drawn from the study's, {study.seed}."),
+        TableBlock(pd.DataFrame(rows), prose=True, name="runs"),
+    ]
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
