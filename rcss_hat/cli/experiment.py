@@ -44,7 +44,7 @@ def experiment(
 ) -> None:
     """Run the trials of an experiment, in parallel and resumable, and write its report.
 
-    STUDY is the name of a study of the package (paper, methods, size-4v3, sets, rounds) or a TOML file of the same form.
+    STUDY is a study of the package (paper, methods, size-4v3, sets, rounds) or a TOML file of the same form.
     The same command goes on after a stop, and only redraws the report when everything has been run.
 
     \b

@@ -91,7 +91,8 @@ def tables_of(results: Results) -> tuple[Table, ...]:
     """Return the study's tables, or one of all its conditions that learn."""
     if results.study.tables:
         return results.study.tables
-    names = tuple(n for n in results.trials if results.study.conditions[n].hours > 0)
+    conditions = results.study.conditions
+    names = tuple(n for n in results.trials if conditions[n].hours > 0 and not conditions[n].sampled)
     return (Table(name="conditions", title="Conditions", conditions=names),) if names else ()
 
 
@@ -136,10 +137,10 @@ def statistics_table(results: Results, table: Table) -> pd.DataFrame:
 
 
 def more_table(results: Results) -> pd.DataFrame:
-    """Return all measures of all conditions that learned, with the time to the threshold."""
+    """Return all measures of all conditions that learned, with the time to the threshold; sampled sets apart."""
     rows = []
     for name in results.trials:
-        if results.study.conditions[name].hours == 0:
+        if results.study.conditions[name].hours == 0 or results.study.conditions[name].sampled:
             continue
         row = {"Condition": name, "Trials": str(len(results.trials[name]))}
         for measure, words in MEASURES.items():
@@ -211,7 +212,7 @@ def _claims(results: Results) -> list[Heading | Paragraph | TableBlock]:
     return [
         TableBlock(pd.DataFrame(rows), prose=True, name="claims"),
         Paragraph(meaning),
-        TableBlock(pd.DataFrame(evidence), name="claims-evidence"),
+        TableBlock(pd.DataFrame(evidence), prose=True, name="claims-evidence"),
     ]
 
 
@@ -237,7 +238,8 @@ def _evidence_row(results: Results, e: Evidence) -> dict[str, str]:
 
 def _figures(results: Results) -> list[Heading | FigureBlock]:
     blocks: list[Heading | FigureBlock] = []
-    names = tuple(n for n in results.trials if results.study.conditions[n].hours > 0)
+    conditions = results.study.conditions
+    names = tuple(n for n in results.trials if conditions[n].hours > 0 and not conditions[n].sampled)
     everything = (Figure(name="learning-curves", title="Learning curves", conditions=names),)
     for figure in results.study.figures or everything:
         curves = {}
@@ -305,7 +307,7 @@ def _predictors(results: Results) -> list[Heading | Paragraph | TableBlock | Fig
 
 
 def _sets(results: Results) -> list[Heading | Paragraph | TableBlock | Code]:
-    sampled = set() if results.study.sampling is None else {n for n in results.trials if n.startswith("set-")}
+    sampled = {c.demonstrations for c in results.study.conditions.values() if c.sampled}
     names = [name for name in results.experiment.used_sets() if name not in sampled]
     if not names:
         return []
@@ -327,8 +329,9 @@ def _sets(results: Results) -> list[Heading | Paragraph | TableBlock | Code]:
         rows.append(row)
         texts.append(f"{prepared.label}:\n{prepared.rules.format(comments=False, digits=2)}")
     explained = (
-        "Accuracy is that of stratified cross-validation, as in the paper; beside it whole episodes are left out, and "
-        "the share of the most frequent action says what always giving the same answer would reach."
+        "D is the decision list that RIPPER learns from a set. Its accuracy is that of stratified cross-validation, as "
+        "in the paper; beside it whole episodes are left out, and the share of the most frequent action says what "
+        "always giving the same answer would reach."
     )
     table = TableBlock(pd.DataFrame(rows).fillna(NOTHING), name="demonstration-sets")
     return [Heading("Demonstrations"), table, Paragraph(explained), Code("\n\n".join(texts))]
@@ -356,6 +359,8 @@ def _how(results: Results) -> list[Paragraph | TableBlock | Code]:
     rows = []
     for name, records in results.trials.items():
         c = study.conditions[name]
+        if c.sampled:
+            continue
         rows.append(
             {
                 "Condition": name,

@@ -169,6 +169,8 @@ class Condition:
     evaluation_episodes : int
         Episodes without learning, before and after.
     published : Published
+    sampled : bool
+        Whether it was drawn by ``[sampling]``: one trial, whatever is asked for.
     """
 
     name: str
@@ -182,6 +184,7 @@ class Condition:
     trials: int
     evaluation_episodes: int
     published: Published
+    sampled: bool = False
 
     def run_config(self, seed: int) -> RunConfig:
         """Return the settings of one trial's training run."""
@@ -315,7 +318,7 @@ class Study:
             factor = 1.0 if hours is None or condition.hours == 0.0 else hours / condition.hours
             changed[name] = replace(
                 condition,
-                trials=condition.trials if trials is None else trials,
+                trials=condition.trials if trials is None or condition.sampled else trials,
                 hours=condition.hours * factor,
                 rounds=tuple(replace(r, hour=r.hour * factor) for r in condition.rounds),
             )
@@ -523,7 +526,7 @@ def _sampled(
         drawn[name] = SetSpec(name=name, label=f"{size} of {pool}", of=(pool,), pick="random", episodes=size, seed=draw)
         entry: dict[str, Any] = {"name": name, "label": drawn[name].label, "method": sampling.method}
         entry |= {"demonstrations": name, "hours": sampling.hours, "trials": 1}
-        conditions[name] = _condition(entry, defaults, folder, f"[sampling] {name}")
+        conditions[name] = replace(_condition(entry, defaults, folder, f"[sampling] {name}"), sampled=True)
     return drawn, conditions
 
 
