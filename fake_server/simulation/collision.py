@@ -47,7 +47,7 @@ def _any_overlap(match: NDArray[np.void], ball_size: float) -> bool:
     return False
 
 
-@inlined
+@kernel
 def _apart(
     ax: float, ay: float, bx: float, by: float, reach: float, rng: NDArray[np.uint64]
 ) -> tuple[float, float, float, float]:
@@ -77,7 +77,7 @@ def _propose(proposals: NDArray[np.float64], k: int, x: float, y: float) -> None
     proposals[k, _EVER] = 1.0
 
 
-@inlined
+@kernel
 def _ball_round(
     match: NDArray[np.void], ball_size: float, proposals: NDArray[np.float64], rng: NDArray[np.uint64]
 ) -> bool:
@@ -112,7 +112,7 @@ def _ball_round(
     return found
 
 
-@inlined
+@kernel
 def _player_round(match: NDArray[np.void], proposals: NDArray[np.float64], rng: NDArray[np.uint64]) -> bool:
     """Let pairs of players that overlap propose new places."""
     pos, size, players = match["pos"][0], match["size"][0], match["players"][0]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from fake_server.simulation.state import C_DASH, LEG_DASH, side_of
 from rcss_hat.numeric.angles import DEG, normalize_radians
-from rcss_hat.numeric.jit import inlined
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.rng import uniform
 from rcss_hat.protocol.records import LEFT
 
@@ -107,7 +107,7 @@ def apply_dash(
     match["stamina"][0, i] = max(0.0, match["stamina"][0, i] - consumed)
 
 
-@inlined
+@kernel
 def _turn_by_legs(
     match: NDArray[np.void], params: NDArray[np.void], i: int, x: float, y: float, rng: NDArray[np.uint64]
 ) -> None:
@@ -118,7 +118,7 @@ def _turn_by_legs(
     match["body_pending"][0, i] = normalize_radians(body + (1.0 + uniform(rng, -rand, rand)) * omega)
 
 
-@inlined
+@kernel
 def dash_at_once(
     match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, power: float
 ) -> None:

@@ -34,7 +34,7 @@ _BALL_OFFSET = 4.0
 _MIDDLE = 1.0
 
 
-@inlined
+@kernel
 def reset_field(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Place ball and players for a new episode.
 
@@ -136,7 +136,7 @@ def _possession(match: NDArray[np.void], params: NDArray[np.void]) -> int:
     return found
 
 
-@inlined
+@kernel
 def _end_episode(match: NDArray[np.void], params: NDArray[np.void], taken: bool, rng: NDArray[np.uint64]) -> None:
     match["events"][0] |= E_EPISODE_TAKEN if taken else E_EPISODE_OUT
     match["last_start"][0] = match["episode_start"][0]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fake_server.simulation.noise import polar_noise, square_noise
 from rcss_hat.numeric.angles import normalize_radians
-from rcss_hat.numeric.jit import inlined
+from rcss_hat.numeric.jit import inlined, kernel
 
 
 @inlined
@@ -32,7 +32,7 @@ def ball_speed_rate(match: NDArray[np.void], params: NDArray[np.void]) -> float:
     return float(0.5 + 0.5 * (math.sqrt(vx * vx + vy * vy) / (params["ball_speed_max"][0] * params["ball_decay"][0])))
 
 
-@inlined
+@kernel
 def kick_acceleration(
     match: NDArray[np.void],
     params: NDArray[np.void],

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fake_server.simulation.observation import put_object, quantized_tenths, whole_degrees
 from fake_server.simulation.pitch import HALF_LENGTH, HALF_WIDTH
 from rcss_hat.numeric.angles import normalize_radians
-from rcss_hat.numeric.jit import inlined
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.protocol.records import HAS_DISTANCE, LINE
 
 _RIGHT_ANGLE = 0.5 * math.pi
@@ -24,7 +24,7 @@ _PLACES = np.array([-HALF_LENGTH, HALF_LENGTH, -HALF_WIDTH, HALF_WIDTH])
 """Their x (l, r) or y (t, b)."""
 
 
-@inlined
+@kernel
 def see_lines(
     x: float,
     y: float,

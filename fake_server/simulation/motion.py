@@ -22,7 +22,7 @@ from fake_server.simulation.dash import slowness
 from fake_server.simulation.noise import polar_noise, square_noise
 from fake_server.simulation.posts import move_past_posts, near_posts
 from fake_server.simulation.state import F_POST_COLLIDE
-from rcss_hat.numeric.jit import inlined
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.protocol.records import COLLIDED_POST
 
 
@@ -115,7 +115,7 @@ def commit_angles(match: NDArray[np.void], i: int) -> None:
     match["neck"][0, i] = match["neck_pending"][0, i]
 
 
-@inlined
+@kernel
 def stand_still(match: NDArray[np.void], i: int) -> None:
     """Let a player only turn: the step of before_kick_off."""
     commit_angles(match, i)

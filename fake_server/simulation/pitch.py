@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import inlined, kernel
+from rcss_hat.numeric.jit import kernel
 from rcss_hat.protocol.landmarks import PITCH_LENGTH, PITCH_MARGIN, PITCH_WIDTH
 from rcss_hat.protocol.records import LEFT, RIGHT
 
@@ -28,13 +28,13 @@ _EPS = 1e-10
 BALL_IN_FIELD, BALL_IN_GOAL_LEFT, BALL_IN_GOAL_RIGHT, BALL_OUT_OF_FIELD = range(4)
 
 
-@inlined
+@kernel
 def truncate_to_pitch(x: float, y: float) -> tuple[float, float]:
     """Bring a point onto the pitch."""
     return min(max(x, -HALF_LENGTH), HALF_LENGTH), min(max(y, -HALF_WIDTH), HALF_WIDTH)
 
 
-@inlined
+@kernel
 def _out_of_penalty_area(x: float, y: float) -> tuple[float, float]:
     if abs(x) >= HALF_LENGTH - PENALTY_AREA_LENGTH and abs(y) <= 0.5 * PENALTY_AREA_WIDTH:
         x = math.copysign(HALF_LENGTH - PENALTY_AREA_LENGTH - _EPS, x)
@@ -50,7 +50,7 @@ def move_out_of_penalty_area(side: int, x: float, y: float) -> tuple[float, floa
     return x, y
 
 
-@inlined
+@kernel
 def in_penalty_area(side: int, x: float, y: float, ball_size: float) -> bool:
     """Tell whether a ball is at least partly in the penalty area of a side (NO_SIDE: either)."""
     if abs(y) > 0.5 * PENALTY_AREA_WIDTH + ball_size:
@@ -60,7 +60,7 @@ def in_penalty_area(side: int, x: float, y: float, ball_size: float) -> bool:
     return (side != RIGHT and x < 0.0) or (side != LEFT and x > 0.0)
 
 
-@inlined
+@kernel
 def nearest_in_world(x: float, y: float) -> tuple[float, float]:
     """Bring a point into the pitch and its margin, at the edge that is nearest."""
     if abs(x) <= MAX_X and abs(y) <= MAX_Y:
@@ -70,7 +70,7 @@ def nearest_in_world(x: float, y: float) -> tuple[float, float]:
     return min(max(x, -MAX_X), MAX_X), (-MAX_Y if y < 0.0 else MAX_Y)
 
 
-@inlined
+@kernel
 def out_of_circle(x: float, y: float, center_x: float, center_y: float, radius: float) -> tuple[float, float]:
     """Move a point to the edge of a circle."""
     dx, dy = x - center_x, y - center_y

@@ -55,7 +55,7 @@ def place_ball(match: NDArray[np.void], x: float, y: float, vx: float, vy: float
     match["ball_acc"][0, 0], match["ball_acc"][0, 1] = 0.0, 0.0
 
 
-@inlined
+@kernel
 def place_player(match: NDArray[np.void], i: int, x: float, y: float) -> None:
     """Put a player somewhere (m), at rest; his angles stay."""
     match["pos"][0, i, 0], match["pos"][0, i, 1] = x, y
@@ -76,7 +76,7 @@ def move_player_to(
     resolve_collisions(match, params, rng)
 
 
-@inlined
+@kernel
 def recover_all(match: NDArray[np.void], params: NDArray[np.void]) -> None:
     """Restore the stamina and hearing of all enabled players."""
     for k in range(match["n_players"][0]):

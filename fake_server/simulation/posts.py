@@ -22,7 +22,7 @@ _EPS = 1e-10
 _MAX_BOUNCES = 20
 
 
-@inlined
+@kernel
 def post_center(goal_width: float, x: float, y: float) -> tuple[float, float]:
     """Centre of the goal post nearest to a point."""
     post_y = 0.5 * goal_width + POST_RADIUS
@@ -38,7 +38,7 @@ def near_posts(goal_width: float, x: float, y: float, dx: float, dy: float, size
     return abs(abs(y) - 0.5 * goal_width - POST_RADIUS) <= reach
 
 
-@inlined
+@kernel
 def _reflected(dx: float, dy: float, nx: float, ny: float) -> tuple[float, float]:
     """Mirror a vector at the plane with a normal of any length."""
     norm = nx * nx + ny * ny
@@ -48,7 +48,7 @@ def _reflected(dx: float, dy: float, nx: float, ny: float) -> tuple[float, float
     return dx - along * nx, dy - along * ny
 
 
-@inlined
+@kernel
 def _share_until(x: float, y: float, dx: float, dy: float, cx: float, cy: float, radius: float) -> float:
     """Share of a move after which it enters a circle from outside; 2 when it does not."""
     px, py = x - cx, y - cy

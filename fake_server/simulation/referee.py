@@ -111,7 +111,7 @@ def kick_forbidden(mode: int) -> bool:
     return mode in (BEFORE_KICK_OFF, TIME_OVER) or STOPPED[mode] != 0
 
 
-@inlined
+@kernel
 def other_side(side: int) -> int:
     """The side against a side; NO_SIDE for NO_SIDE."""
     if side == NO_SIDE:
@@ -229,7 +229,7 @@ def _finish(match: NDArray[np.void], params: NDArray[np.void], event: int, rng: 
     change_play_mode(match, params, TIME_OVER, rng)
 
 
-@inlined
+@kernel
 def _watch_time(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Call half times and the end; nothing when half_time is not above 0, as in Keepaway.
 
@@ -303,7 +303,7 @@ def _run_set_play(match: NDArray[np.void], params: NDArray[np.void], rng: NDArra
         _award_drop_ball(match, params, rng)
 
 
-@inlined
+@kernel
 def analyse(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
     """Let all referees but that of Keepaway look at the match, in the server's order, at the end of a step's motion.
 

@@ -76,10 +76,10 @@ MATCH = np.dtype(
         ("ball_pos", "f8", (2,)),
         ("ball_vel", "f8", (2,)),
         ("ball_acc", "f8", (2,)),
-        ("catcher", "i4"),  # index of the goalie that holds the ball, -1: nobody
+        ("catcher", "i8"),  # index of the goalie that holds the ball, -1: nobody
         # players
         ("n_players", "i4"),
-        ("players", "i4", _P),  # indices of the enabled players in rising order, n_players of them
+        ("players", "i8", _P),  # indices of the enabled players in rising order, n_players of them
         ("enabled", "u1", _P),  # connected and not discarded
         ("goalie", "u1", _P),
         ("type", "u1", _P),
@@ -129,12 +129,12 @@ MATCH = np.dtype(
         ("hear_other", "f8", _P),
         ("ear_off", "u1", _P),  # EAR_* bits
         ("n_said", "i4"),  # messages since the last step
-        ("said_by", "i4", _M),  # index of the speaker
+        ("said_by", "i8", _M),  # index of the speaker
         ("said_n", "i4", _M),  # length
         ("said", "u1", (MAX_MESSAGES, SAY_SIZE)),
         ("said_to", "i8", _M),  # bit i: player i is near enough and has not stopped his ears
         ("n_heard", "i4"),  # the messages of the cycle before, to be heard now
-        ("heard_by", "i4", _M),  # index of the speaker
+        ("heard_by", "i8", _M),  # index of the speaker
         ("heard_n", "i4", _M),
         ("heard", "u1", (MAX_MESSAGES, SAY_SIZE)),
         ("heard_to", "i8", _M),
@@ -189,7 +189,7 @@ def streams(seed: int) -> NDArray[np.uint64]:
     return np.stack([rng.stream(seed, rng.SERVER, which) for which in range(3)])
 
 
-@inlined
+@kernel
 def to_bench(match: NDArray[np.void], i: int) -> None:
     """Put a player on his place at the bench, at rest (19.0.0, src/player.cpp, disable)."""
     away = -3.0 * unum_of(i)
@@ -200,7 +200,7 @@ def to_bench(match: NDArray[np.void], i: int) -> None:
         match["acc"][0, i, axis] = 0.0
 
 
-@inlined
+@kernel
 def recover(match: NDArray[np.void], params: NDArray[np.void], i: int) -> None:
     """Restore stamina, effort, recovery, stamina capacity and hearing (19.0.0, src/player.cpp, recoverAll)."""
     match["stamina"][0, i] = params["stamina_max"][0]

@@ -6,6 +6,7 @@ import pytest
 from simulation_samples import FREE, QUIET, World, player
 
 from fake_server.simulation import commands, cycle, pitch, placement, referee
+from fake_server.simulation.catch import catch_probability
 from fake_server.simulation.state import (
     BEFORE_KICK_OFF,
     CATCH_FAULT_LEFT,
@@ -26,6 +27,7 @@ from fake_server.simulation.state import (
     OFFSIDE_LEFT,
     PLAY_ON,
     TIME_OVER,
+    disconnect,
 )
 from rcss_hat.protocol.records import LEFT, NO_SIDE
 
@@ -169,6 +171,30 @@ def test_a_catch_outside_the_penalty_area_is_a_fault() -> None:
     world.match["goalie"][0, 0] = 1
     assert commands.catch_ball(world.match, world.params, world.types, 0, 0.0, world.rng)
     assert (world.match["mode"][0], world.match["catcher"][0]) == (CATCH_FAULT_LEFT, -1)
+
+
+def test_a_ball_that_slips_through_the_hands_bounces() -> None:
+    world = World("l1", **FREE, **QUIET, catch_probability=0.0).play().put("l1", -48.0, 0.0).put("b", -47.0, 0.0, -1.0)
+    world.match["goalie"][0, 0] = 1
+    assert commands.catch_ball(world.match, world.params, world.types, 0, 0.0, world.rng)
+    assert world.match["mode"][0] == PLAY_ON
+    assert world.match["ball_acc"][0] == pytest.approx([2.0, 0.0])
+
+
+def test_a_stretched_reach_is_not_certain() -> None:
+    world = World("l1", **FREE).play().put("l1", -48.0, 0.0)
+    world.types["catchable_area_l_stretch"][0] = 1.3
+    # 1.2 m times 1.3 long: certain up to 0.84 m, then falling to 0 at 1.56 m.
+    for x, p in ((0.8, 1.0), (1.2, 0.5), (1.5599, 0.0), (1.6, -1.0)):
+        world.put("b", -48.0 + x, 0.0)
+        assert catch_probability(world.match, world.params, world.types, 0, 0.0) == pytest.approx(p, abs=1e-3)
+
+
+def test_a_goalie_who_goes_leaves_the_ball() -> None:
+    world = World("l1", **FREE).play()
+    world.match["catcher"][0] = 0
+    disconnect(world.match, 0)
+    assert world.match["catcher"][0] == -1
 
 
 def test_a_missed_catch_bans_the_next_since_19() -> None:

@@ -260,6 +260,32 @@ def test_low_quality_has_directions_only() -> None:
     assert objects(see(world), r.PLAYER)[0]["unum"] == 1
 
 
+@pytest.mark.parametrize("step", [0.0, 0.01, 0.05, 0.1, 0.3])
+def test_distances_follow_the_formula_in_any_step(step: float) -> None:
+    world = World("l1", visible_angle=360.0, quantize_step=step).put("l1", 0.0, 0.0)
+    for dist in (0.5, 1.7, 12.34, 55.5, 110.0):
+        world.put("b", dist, 0.0)
+        want = math.exp(round(math.log(dist) / step) * step) if step else dist
+        assert objects(see(world), r.BALL)[0]["distance"] == round(10.0 * want) / 10.0
+
+
+def test_close_players_have_no_names() -> None:
+    world = World("l1 l2", visible_angle=90.0).put("l1", 0.0, 0.0).put("l2", 0.0, 2.0).put("b", 40.0, 0.0)
+    assert [(o["fields"], o["unum"]) for o in objects(see(world), r.CLOSE_PLAYER)] == [(r.HAS_DISTANCE, 0)]
+    commands.change_view(world.match, 0, r.NORMAL, r.LOW)
+    assert [(o["fields"], o["direction"]) for o in objects(see(world), r.CLOSE_PLAYER)] == [(0, 90.0)]
+
+
+def test_gaussian_landmarks() -> None:
+    world = World("l1", visible_angle=360.0).put("l1", 0.0, 0.0, body=50.0)
+    commands.gaussian_see(world.match, 0)
+    only = NONE.copy()
+    only[NAMES.index("g r")] = 1
+    n = 2000 if COMPILED else 200
+    dist = np.array([objects(see(world, "l1", only))[0]["distance"] for _ in range(n)])
+    assert stats.kstest((dist - 52.5) / (52.5 * 0.0025), "norm").pvalue > 0.001
+
+
 def test_tackling_and_kicking_players_are_marked() -> None:
     world = World("l1 r1", visible_angle=360.0).play().put("l1", 0.0, 0.0).put("r1", 5.0, 0.0).put("b", 5.5, 0.0)
     world.match["kick_cycles"][0, :] = 0
