@@ -279,6 +279,18 @@ def connect(match: NDArray[np.void], params: NDArray[np.void], i: int, version: 
 
 
 @kernel
+def substitute(
+    match: NDArray[np.void], params: NDArray[np.void], types: NDArray[np.void], i: int, player_type: int
+) -> None:
+    """Give a player another type, and fresh stamina (19.0.0, src/player.cpp, substitute)."""
+    match["type"][0, i] = player_type
+    match["size"][0, i] = types["player_size"][player_type]
+    match["effort_max"][0, i] = types["effort_max"][player_type]
+    match["flags_next"][0, i] = 0
+    recover(match, params, i)
+
+
+@kernel
 def disconnect(match: NDArray[np.void], i: int) -> None:
     """Disable a player who has gone; he moves to the bench and keeps his uniform number (19.0.0, src/player.cpp)."""
     if match["catcher"][0] == i:

@@ -2,9 +2,11 @@ from __future__ import annotations
 
 import json
 
-from simulation_samples import DATA
+from simulation_samples import DATA, FREE, QUIET, World
 
+from fake_server.simulation import cycle
 from fake_server.simulation.player_types import PLAYER_TYPE, player_parameters, player_types
+from fake_server.simulation.state import substitute
 from rcss_hat.protocol.params import ServerParams
 
 
@@ -48,3 +50,15 @@ def test_impossible_trades_give_the_default() -> None:
     assert (types["dash_power_rate"] == 0.006).all()
     assert set(player_parameters(ServerParams())) >= {"player_types", "subs_max"}
     assert PLAYER_TYPE.names is not None and PLAYER_TYPE.names[0] == "player_speed_max"
+
+
+def test_a_substitute_runs_as_his_type_does() -> None:
+    world = World("l1", **FREE, **QUIET).play().put("l1", 0.0, 0.0).put("b", 9.0, 9.0)
+    world.match["stamina"][0, 0] = 10.0
+    substitute(world.match, world.params, world.types, 0, 5)
+    entry = world.types[5]
+    assert world.match["stamina"][0, 0] == 8000.0
+    world.command("l1", "(dash 100)")
+    cycle.step(world.match, world.params, world.types, world.streams)
+    want = 100.0 * entry["dash_power_rate"] * entry["effort_max"] * entry["player_decay"]
+    assert abs(world.match["vel"][0, 0, 0] - want) < 1e-12
