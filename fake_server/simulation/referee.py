@@ -296,7 +296,7 @@ def _run_set_play(match: NDArray[np.void], params: NDArray[np.void], rng: NDArra
         change_play_mode(match, params, PLAY_ON, rng)
     keep_in_world(match)
     clear_players_from_ball(match, params, other_side(match["kick_off_side"][0]), rng)
-    if in_play:
+    if in_play or SET_PLAY_OF[mode] == NO_SIDE:
         return
     match["mode_steps"][0] += 1
     if match["mode_steps"][0] == params["drop_ball_time"][0]:
@@ -320,12 +320,12 @@ def analyse(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.u
     if STOPPED[mode]:
         keep_in_world(match)
         _run_stoppage(match, params, rng)
-    elif SET_PLAY_OF[mode] != NO_SIDE:
-        _run_set_play(match, params, rng)
+    elif mode in (PLAY_ON, TIME_OVER):
+        keep_in_world(match)
     elif mode == BEFORE_KICK_OFF:
         if params["use_offside"][0] > 0.0 and params["forbid_kick_off_offside"][0] > 0.0:
             place_in_own_half(match, params, rng)
         keep_in_world(match)
         clear_players_from_ball(match, params, other_side(match["kick_off_side"][0]), rng)
     else:
-        keep_in_world(match)
+        _run_set_play(match, params, rng)

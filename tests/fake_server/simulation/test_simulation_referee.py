@@ -145,6 +145,17 @@ def test_a_goal_kick_ends_when_the_ball_leaves_the_penalty_area() -> None:
     assert world.match["mode"][0] == PLAY_ON
 
 
+def test_a_ball_a_trainer_has_dropped_waits_for_a_kick() -> None:
+    world = World("l1 r1", **FREE, **QUIET).put("l1", 3.0, 0.0).put("r1", 0.0, 3.0).put("b", 0.0, 0.0)
+    referee.change_play_mode(world.match, world.params, DROP_BALL, world.rng)
+    assert step(world, 150) == 0
+    assert world.match["mode"][0] == DROP_BALL
+    assert min(math.hypot(*world.match["pos"][0, i]) for i in (0, 11)) > 9.45
+    world.put("b", 0.0, 0.0, 1.0)
+    step(world)
+    assert world.match["mode"][0] == PLAY_ON
+
+
 def test_a_goalie_may_catch_and_move_with_the_ball() -> None:
     world = World("l1 r1", **FREE, **QUIET).play().put("l1", -48.0, 0.0).put("b", -47.0, 0.0).put("r1", 0.0, 0.0)
     m, p, t = world.match, world.params, world.types
