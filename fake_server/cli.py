@@ -33,17 +33,21 @@ def run(arguments: Sequence[str]) -> int:
 
 def _serve(arguments: Sequence[str]) -> int:
     options = parse_options(arguments)
-    from fake_server.server import Server, signals_stop
+    from fake_server.server import Server, stop_on_signals
     from fake_server.warm_up import warm_up
 
     warm_up(options.quiet)
     server = Server(options)
-    with signals_stop(server):
-        profile = options.params.profile
-        server.say(f"{PROGRAM} stands in for rcssserver {profile}")
-        server.say(f"Simulator Random Seed: {server.seed}")
-        server.say(f"Listening on {options.bind}: players {server.port}, trainer {server.coach_port}")
-        return server.run()
+    stop_on_signals(server)
+    server.start()
+    server.say(f"{PROGRAM}: a stand-in for rcssserver-{options.params.profile}\n")
+    server.say(f"Simulator Random Seed: {server.seed}")
+    server.say(
+        f"Listening on {options.bind}: players and monitors {server.port}, trainer {server.coach_port}, "
+        f"online coaches {server.olcoach_port}"
+    )
+    server.say("\nHit CTRL-C to exit")
+    return server.run()
 
 
 def _replay(arguments: Sequence[str]) -> int:

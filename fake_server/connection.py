@@ -31,7 +31,7 @@ class Connection:
     socket : socket.socket
         Does not block.
     connected : bool
-        False once the client has gone; nothing is sent or received any more.
+        False once the client has gone: nothing is sent or received any more, and the socket waits to be disposed of.
     """
 
     def __init__(self, bind: str, address: Address) -> None:
@@ -86,7 +86,11 @@ class Connection:
         return messages
 
     def close(self) -> None:
-        """Forget the client."""
+        """Have nothing more to do with the client."""
+        self.connected = False
+
+    def dispose(self) -> None:
+        """Close the socket too."""
         self.connected = False
         self.socket.close()
 

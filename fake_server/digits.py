@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 
 Buffer = NDArray[np.uint8]
 
@@ -22,7 +22,7 @@ _SPLIT = 134217729.0  # 2**27 + 1 halves a double (Veltkamp 1968)
 _SPACE, _ZERO, _MINUS, _PLUS, _POINT, _E = 32, 48, 45, 43, 46, 101
 
 
-@njit
+@inlined
 def product_error(a: float, b: float, product: float) -> float:
     """Return what ``a * b`` lost by rounding to ``product`` (Dekker 1971)."""
     t = _SPLIT * a
@@ -34,7 +34,7 @@ def product_error(a: float, b: float, product: float) -> float:
     return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low
 
 
-@njit
+@inlined
 def _nearest(scaled: float, rest: float) -> int:
     """Round ``scaled + rest`` to the nearest integer, where rest is far below the spacing of scaled; ties to even."""
     whole = round(scaled)
@@ -46,7 +46,7 @@ def _nearest(scaled: float, rest: float) -> int:
     return int(whole)
 
 
-@njit
+@inlined
 def _exponent(value: float) -> int:
     """Decimal exponent of a positive number; may be one off where the logarithm falls on a whole number."""
     if value >= 1.0:
@@ -58,7 +58,7 @@ def _exponent(value: float) -> int:
     return int(math.floor(math.log10(value)))
 
 
-@njit
+@kernel
 def _six_digits(value: float, exponent: int) -> int:
     """Round a positive number to a whole number of units of its sixth digit."""
     places = 5 - exponent
@@ -78,7 +78,7 @@ def _six_digits(value: float, exponent: int) -> int:
     return _nearest(scaled, (value - back) - product_error(scaled, power, back))
 
 
-@njit
+@inlined
 def put_digits(buffer: Buffer, at: int, number: int, count: int) -> int:
     """Write the last ``count`` digits of a number, with leading zeros."""
     for k in range(at + count - 1, at - 1, -1):
@@ -88,7 +88,7 @@ def put_digits(buffer: Buffer, at: int, number: int, count: int) -> int:
     return at + count
 
 
-@njit
+@inlined
 def put_int(buffer: Buffer, at: int, number: int) -> int:
     """Write an integer (``%d``)."""
     if number < 0:
@@ -103,7 +103,7 @@ def put_int(buffer: Buffer, at: int, number: int) -> int:
     return put_digits(buffer, at, number, count)
 
 
-@njit
+@kernel
 def put_hex(buffer: Buffer, at: int, number: int) -> int:
     """Write an integer that is not negative as C++ does with ``hex`` and ``showbase``: ``0x1f``, but ``0``."""
     if number == 0:
@@ -123,7 +123,7 @@ def put_hex(buffer: Buffer, at: int, number: int) -> int:
     return at
 
 
-@njit
+@kernel
 def _put_special(buffer: Buffer, at: int, value: float) -> int:
     if math.isnan(value):
         buffer[at], buffer[at + 1], buffer[at + 2] = 110, 97, 110  # nan
@@ -132,7 +132,7 @@ def _put_special(buffer: Buffer, at: int, value: float) -> int:
     return at + 3
 
 
-@njit
+@kernel
 def _put_scientific(buffer: Buffer, at: int, digits: int, count: int, exponent: int) -> int:
     """Write ``count`` digits as ``d.ddde-07``."""
     tail = 10 ** (count - 1)
@@ -146,7 +146,7 @@ def _put_scientific(buffer: Buffer, at: int, digits: int, count: int, exponent: 
     return put_digits(buffer, at + 2, size, 3 if size >= 100 else 2)
 
 
-@njit
+@inlined
 def _put_fixed(buffer: Buffer, at: int, digits: int, count: int, exponent: int) -> int:
     """Write ``count`` digits, the first worth 10**exponent (-4 .. 5), with a point where one is needed."""
     if exponent < 0:
@@ -169,7 +169,7 @@ def _put_fixed(buffer: Buffer, at: int, digits: int, count: int, exponent: int) 
     return put_digits(buffer, at + 1, digits - whole * tail, behind)
 
 
-@njit
+@kernel
 def put_number(buffer: Buffer, at: int, value: float) -> int:
     """Write a number with six significant digits (``%g``); at most 13 bytes."""
     if value < 0.0 or (value == 0.0 and math.copysign(1.0, value) < 0.0):
@@ -198,7 +198,7 @@ def put_number(buffer: Buffer, at: int, value: float) -> int:
     return _put_scientific(buffer, at, digits, count, exponent)
 
 
-@njit
+@inlined
 def put_bytes(buffer: Buffer, at: int, text: Buffer, size: int) -> int:
     """Write the first ``size`` bytes of a text."""
     for k in range(size):
@@ -206,20 +206,20 @@ def put_bytes(buffer: Buffer, at: int, text: Buffer, size: int) -> int:
     return at + size
 
 
-@njit
+@inlined
 def put_text(buffer: Buffer, at: int, text: Buffer) -> int:
     """Write a whole text."""
     return put_bytes(buffer, at, text, text.size)
 
 
-@njit
+@inlined
 def put_spaced(buffer: Buffer, at: int, value: float) -> int:
     """Write a space and a number (``%g``)."""
     buffer[at] = _SPACE
     return put_number(buffer, at + 1, value)
 
 
-@njit
+@inlined
 def put_spaced_int(buffer: Buffer, at: int, number: int) -> int:
     """Write a space and an integer."""
     buffer[at] = _SPACE

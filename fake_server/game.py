@@ -30,9 +30,9 @@ from fake_server.simulation.state import (
     E_WITHOUT_A_TEAM,
     F_DISCARD,
     FREE_KICK_LEFT,
+    FREE_KICK_RIGHT,
     GOAL_LEFT,
     GOAL_RIGHT,
-    N_PLAYERS,
     PHYSICS,
     PLAY_ON,
     connect,
@@ -113,6 +113,13 @@ class Game:
         return PLAY_MODES[self.mode]
 
     @property
+    def mode_with_catch(self) -> str:
+        """Play mode as fullstate has it: a free kick with the ball in a goalie's hands has a name of its own."""
+        if self.mode in (FREE_KICK_LEFT, FREE_KICK_RIGHT) and self.match["catcher"][0] >= 0:
+            return "goalie_catch_ball_l" if self.mode == FREE_KICK_LEFT else "goalie_catch_ball_r"
+        return self.mode_name
+
+    @property
     def teams(self) -> tuple[str, str]:
         """Names of the left and the right team."""
         return self.names[0], self.names[1]
@@ -137,6 +144,10 @@ class Game:
     def find_team(self, name: str) -> int | None:
         """Return 0 for the left team's name, 1 for the right one's, None for others."""
         return self.names.index(name) if name and name in self.names else None
+
+    def team_size(self, team: int) -> int:
+        """Number of players who ever joined the left (0) or right (1) team."""
+        return self._sizes[team]
 
     def visible_name(self, i: int) -> str:
         """Return a player as trainers see him: ``p "TEAM" UNUM``, with ``goalie`` if he is."""
@@ -327,7 +338,3 @@ class Game:
         if events & (E_EPISODE_OUT | E_EPISODE_TAKEN):
             said.append(EPISODE_END)
         return said
-
-
-ALL_PLAYERS = range(N_PLAYERS)
-"""Indices of all players, connected or not."""

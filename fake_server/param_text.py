@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 
 import numpy as np
@@ -64,3 +65,24 @@ def all_params(params: ServerParams, player_params: PlayerParams, types: NDArray
         player_param(player_params, version),
         *(player_type(types, number, version) for number in range(len(types))),
     ]
+
+
+def json_params(params: ServerParams, player_params: PlayerParams, types: NDArray[np.void]) -> list[str]:
+    """Return the same messages for monitors that read JSON."""
+    settings = {parameter.name: params[parameter.name] for parameter in SERVER_PARAMETERS}
+    messages: list[dict[str, object]] = [
+        {"server_param": {name: _plain(value) for name, value in settings.items()}},
+        {"player_param": {name: _plain(value) for name, value in player_params.for_version(EVERYTHING)}},
+    ]
+    for number in range(len(types)):
+        fields = {name: _plain(float(types[name][number])) for name in PLAYER_TYPE.names or ()}
+        messages.append({"player_type": {"id": number, **fields}})
+    return [json.dumps(message, separators=(",", ":")) for message in messages]
+
+
+def _plain(value: Value) -> Value:
+    """Return a number as ``%g`` prints it, whole ones as integers."""
+    if not isinstance(value, float):
+        return value
+    printed = float(f"{value:g}")
+    return int(printed) if printed.is_integer() else printed

@@ -195,6 +195,7 @@ class Replay:
                 actor.read()
                 if not actor.connection.connected:
                     self._selector.unregister(key.fileobj)
+                    actor.connection.dispose()
 
     def stop(self) -> None:
         """End `run` soon; may be called from another thread."""

@@ -29,7 +29,7 @@ from fake_server.simulation.state import (
     N_PLAYERS,
 )
 from rcss_hat.numeric.angles import RAD
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.numeric.wire import quantize
 from rcss_hat.protocol.records import HIGH, LEFT, MAX_PLAYERS, NO_SIDE
 
@@ -49,7 +49,7 @@ _FOCUS = ascii_bytes(") (f ")
 _COUNTS = ascii_bytes(") (c")
 
 
-@njit
+@inlined
 def state_flags(match: NDArray[np.void], i: int) -> int:
     """Return a player's state word of the monitor protocol."""
     flags = match["flags"][0, i]
@@ -58,13 +58,13 @@ def state_flags(match: NDArray[np.void], i: int) -> int:
     return flags | F_STAND | (F_GOALIE if match["goalie"][0, i] else 0)
 
 
-@njit
+@inlined
 def _put_pair(buffer: Buffer, at: int, pair: NDArray[np.float64]) -> int:
     at = put_spaced(buffer, at, quantize(pair[0], _LENGTH))
     return put_spaced(buffer, at, quantize(pair[1], _LENGTH))
 
 
-@njit
+@kernel
 def _put_player(
     match: NDArray[np.void], params: NDArray[np.void], i: int, version: int, buffer: Buffer, at: int
 ) -> int:
@@ -103,7 +103,7 @@ def _put_player(
     return at + 2
 
 
-@njit
+@kernel
 def write_show(match: NDArray[np.void], params: NDArray[np.void], version: int, head: Buffer, buffer: Buffer) -> int:
     """Write a frame.
 

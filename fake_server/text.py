@@ -26,7 +26,7 @@ from fake_server.simulation.state import (
     N_PLAYERS,
 )
 from rcss_hat.numeric.angles import RAD
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.protocol.landmarks import LANDMARK_NAMES, LINE_NAMES
 from rcss_hat.protocol.records import (
     BALL,
@@ -102,7 +102,7 @@ def team_names(own: str, other: str) -> tuple[Buffer, NDArray[np.int64]]:
 
 
 # --- see --------------------------------------------------------------------------------------------------------------
-@njit
+@inlined
 def _put_name(
     see: NDArray[np.void], k: int, teams: Buffer, team_sizes: NDArray[np.int64], buffer: Buffer, at: int
 ) -> int:
@@ -122,7 +122,7 @@ def _put_name(
     return at + 1
 
 
-@njit
+@inlined
 def _put_fields(see: NDArray[np.void], k: int, buffer: Buffer, at: int) -> int:
     bits = see["fields"][0, k]
     if bits & HAS_DISTANCE:
@@ -143,7 +143,7 @@ def _put_fields(see: NDArray[np.void], k: int, buffer: Buffer, at: int) -> int:
     return at
 
 
-@njit
+@kernel
 def write_see(see: NDArray[np.void], teams: Buffer, team_sizes: NDArray[np.int64], buffer: Buffer) -> int:
     """Write a see message.
 
@@ -196,7 +196,7 @@ _FOUL = ascii_bytes(" (foul (charged 0) (card none))")
 _FOCUS_POINT = ascii_bytes(" (focus_point ")
 
 
-@njit
+@inlined
 def _put_view_mode(buffer: Buffer, at: int, quality: int, width: int) -> int:
     at = put_text(buffer, at, _HIGH) if quality == HIGH else put_text(buffer, at, _LOW)
     if width == NARROW:
@@ -204,7 +204,7 @@ def _put_view_mode(buffer: Buffer, at: int, quality: int, width: int) -> int:
     return put_text(buffer, at, _WIDE) if width == WIDE else put_text(buffer, at, _NORMAL)
 
 
-@njit
+@kernel
 def _put_arm(buffer: Buffer, at: int, movable: int, expires: int, distance: float, direction: int, count: int) -> int:
     """Write the own arm from ``) (arm`` on, its last number last."""
     at = put_int(buffer, put_text(buffer, at, _ARM), movable)
@@ -214,7 +214,7 @@ def _put_arm(buffer: Buffer, at: int, movable: int, expires: int, distance: floa
     return put_int(buffer, put_text(buffer, at, _COUNT), count)
 
 
-@njit
+@kernel
 def _put_collision(buffer: Buffer, at: int, collision: int) -> int:
     at = put_text(buffer, at, _COLLISION)
     if collision == 0:
@@ -229,7 +229,7 @@ def _put_collision(buffer: Buffer, at: int, collision: int) -> int:
     return at + 1
 
 
-@njit
+@kernel
 def _put_focus_point(match: NDArray[np.void], i: int, buffer: Buffer, at: int) -> int:
     at = put_number(buffer, put_text(buffer, at, _FOCUS_POINT), match["focus_dist"][0, i])
     at = put_spaced(buffer, at, match["focus_dir"][0, i] * RAD)
@@ -237,7 +237,7 @@ def _put_focus_point(match: NDArray[np.void], i: int, buffer: Buffer, at: int) -
     return at + 1
 
 
-@njit
+@kernel
 def write_sense_body(sense: NDArray[np.void], match: NDArray[np.void], i: int, buffer: Buffer) -> int:
     """Write the sense_body message of player ``i`` for the version of the protocol that its client speaks.
 
@@ -310,7 +310,7 @@ _FULL_ORDER = np.array(
 )
 
 
-@njit
+@kernel
 def arm_target(match: NDArray[np.void], i: int) -> tuple[float, float]:
     """Return distance (m) and direction (rad, relative to the face) of a player's arm target; zeros when it is down."""
     if match["arm_expires"][0, i] <= 0:
@@ -325,7 +325,7 @@ def arm_target(match: NDArray[np.void], i: int) -> tuple[float, float]:
     return math.sqrt(turned_x * turned_x + turned_y * turned_y), direction
 
 
-@njit
+@kernel
 def _put_full_player(match: NDArray[np.void], i: int, version: int, buffer: Buffer, at: int) -> int:
     at = put_text(buffer, at, _PLAYER)
     buffer[at] = _L if i < MAX_PLAYERS else _R
@@ -365,7 +365,7 @@ def _put_full_player(match: NDArray[np.void], i: int, version: int, buffer: Buff
     return at + 1
 
 
-@njit
+@kernel
 def write_fullstate(match: NDArray[np.void], i: int, mode: Buffer, buffer: Buffer) -> int:
     """Write the fullstate message of player ``i``.
 

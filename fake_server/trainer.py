@@ -1,24 +1,25 @@
-"""The trainer (offline coach): moves things, changes modes, sees everything (reference: 19.0.0, src/coach.cpp)."""
+"""The trainer (offline coach): moves things, changes modes, sees and hears everything.
+
+Source: 19.0.0, src/coach.cpp, src/visualsendercoach.cpp and src/serializercoachstdv7, v8, v13.
+"""
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from fake_server import text
+from fake_server.coaching import coach
 from fake_server.connection import Connection
 from fake_server.param_text import all_params
+from rcss_hat.numeric.angles import RAD, normalize_radians
 from rcss_hat.protocol import commands as said
-from rcss_hat.protocol.play_modes import PLAY_MODE_IDS
 
 if TYPE_CHECKING:
     from fake_server.server import Server
 
-GOALS = "((g r) 52.5 0) ((g l) -52.5 0)"
-
-
-def _rounded(radians: float) -> int:
-    return round(math.degrees(radians))
+_GOALS = "((g r) 52.5 0) ((g l) -52.5 0)"
+_MARKS_SINCE = 13
+"""Trainers of this version and later see who kicks, and see arms and tackles with look too."""
 
 
 class TrainerClient:
@@ -27,34 +28,40 @@ class TrainerClient:
     Parameters
     ----------
     server : Server
-    connection : Connection
+    connection : Connection or None
+        None for a first datagram that is no init: it is carried out, but nobody can be answered.
     version : int
         Of the protocol.
     """
 
-    def __init__(self, server: Server, connection: Connection, version: int) -> None:
+    def __init__(self, server: Server, connection: Connection | None, version: int) -> None:
         self.server, self.connection, self.version = server, connection, version
         self.game = server.game
         self.eye = self.ear = self.done = False
-        self.inbox: list[bytes] = []
-        self.to_say: list[str] = []
+
+    @property
+    def connected(self) -> bool:
+        """Whether anybody is there."""
+        return self.connection is not None and self.connection.connected
 
     @property
     def waited_for(self) -> bool:
-        """Whether a think step waits for the trainer's ``(done)``."""
-        return self.eye
+        """Whether a think step still waits for him; only one whose eye is on is asked to think."""
+        return self.eye and not self.done and self.connected
 
     def send(self, message: str) -> None:
         """Send a text message."""
-        self.connection.send(message)
+        if self.connection is not None:
+            self.connection.send(message)
 
     def welcome(self) -> None:
-        """Send the reply to init and the parameters."""
+        """Send the reply to init, the parameters, and whose type is not the default one."""
+        game = self.game
         self.send("(init ok)")
-        if self.version >= 7:
-            for message in all_params(self.game.params, self.game.player_params, self.game.types, self.version):
-                self.send(message)
+        for message in all_params(game.params, game.player_params, game.types, self.version):
+            self.send(message)
 
+    # --- what he is told ------------------------------------------------------------------------------------------
     def hear_referee(self, message: str) -> None:
         """Tell what the referee announces."""
         if self.ear:
@@ -68,32 +75,43 @@ class TrainerClient:
     def see_global(self) -> None:
         """Send what the trainer sees, if his eye is on."""
         if self.eye:
-            self.send(f"(see_global {self._everything(full=True)})")
+            self.send(f"(see_global {self._everything(marks=True)})")
 
-    def _everything(self, full: bool) -> str:
-        game = self.game
-        match = game.match
+    def _everything(self, marks: bool) -> str:
+        game, match = self.game, self.game.match
         x, y = match["ball_pos"][0]
         vx, vy = match["ball_vel"][0]
-        parts = [f"{game.time} {GOALS} ((b) {x:g} {y:g} {vx:g} {vy:g})"]
-        for j in sorted(int(k) for k in game.players()):
-            (px, py), (pvx, pvy) = match["pos"][0, j], match["vel"][0, j]
-            body, neck = _rounded(match["body"][0, j]), _rounded(match["neck"][0, j])
-            marks = ""
-            if full and match["arm_expires"][0, j] > 0:
-                marks += f" {_rounded(text.arm_target(match, j)[1])}"
-            if full and match["tackle_cycles"][0, j] > 0:
-                marks += " t"
-            parts.append(f"(({game.visible_name(j)}) {px:g} {py:g} {pvx:g} {pvy:g} {body} {neck}{marks})")
-        return " ".join(parts)
+        players = [f" {self._player(int(i), marks)}" for i in game.players()]
+        return f"{game.time} {_GOALS} ((b) {x:g} {y:g} {vx:g} {vy:g}){''.join(players)}"
 
-    # --- commands -------------------------------------------------------------------------------------------------
-    def execute(self, data: bytes) -> None:
-        """Carry out the one command of a datagram."""
-        message = data.split(b"\0", 1)[0]
+    def _player(self, i: int, marks: bool) -> str:
+        row = self.game.match[0]
+        (x, y), (vx, vy) = row["pos"][i], row["vel"][i]
+        body, neck = float(row["body"][i]), float(row["neck"][i])
+        words = [f"({self.game.visible_name(i)})", f"{x:g} {y:g} {vx:g} {vy:g} {round(body * RAD)} {round(neck * RAD)}"]
+        if marks and row["arm_expires"][i] > 0:
+            _, direction = text.arm_target(self.game.match, i)
+            words.append(str(round(normalize_radians(direction + neck + body) * RAD)))
+        if marks and row["tackle_cycles"][i] > 0:
+            words.append("t")
+        elif marks and self.version >= _MARKS_SINCE and row["kick_cycles"][i] > 0:
+            words.append("k")
+        return f"({' '.join(words)})"
+
+    # --- what he commands -----------------------------------------------------------------------------------------
+    def read(self) -> None:
+        """Carry out all commands that have arrived."""
+        if self.connection is not None:
+            for data in self.connection.receive():
+                if not data.endswith(b"\0"):
+                    self.send("(warning message_not_null_terminated)")
+                self.take(data)
+
+    def take(self, data: bytes) -> None:
+        """Carry out the one command of a datagram, and answer."""
         if self.server.logs.wants_messages:
-            self.server.logs.received(self.game.match, "Coach", message.decode("latin-1"))
-        command = said.parse_trainer_command(message, int(self.game.params.number("say_coach_msg_size")))
+            self.server.logs.received(self.game.match, "Coach", data.split(b"\0", 1)[0].decode("latin-1"))
+        command = said.parse_trainer_command(data, int(self.game.params.number("say_coach_msg_size")))
         if isinstance(command, said.Refusal):
             self.send(command.text)
         else:
@@ -101,79 +119,31 @@ class TrainerClient:
 
     def _carry_out(self, command: said.Command) -> None:
         game = self.game
-        if isinstance(command, said.Start):
-            self.server.kick_off()
-            self.send("(ok start)")
-        elif isinstance(command, said.ChangeMode):
-            self.server.announce(game.change_mode(PLAY_MODE_IDS[command.mode]))
-            self.send("(ok change_mode)")
-        elif isinstance(command, said.MoveBall):
-            game.move_ball(command.x, command.y, command.velocity or (0.0, 0.0))
-            self.send("(ok move)")
-        elif isinstance(command, said.MovePlayer):
-            self._move_player(command)
+        if isinstance(command, said.Done):
+            self.done = True
         elif isinstance(command, said.Look):
-            self.send(f"(ok look {self._everything(full=False)})")
+            self.send(f"(ok look {self._everything(marks=self.version >= _MARKS_SINCE)})")
         elif isinstance(command, said.Eye):
             self.eye = command.on
             self.send(f"(ok eye {'on' if command.on else 'off'})")
         elif isinstance(command, said.TrainerEar):
             self.ear = command.on
             self.send(f"(ok ear {'on' if command.on else 'off'})")
-        elif isinstance(command, said.CheckBall):
-            self.send(f"(ok check_ball {game.time} {game.ball_place()})")
-        elif isinstance(command, said.Recover):
-            game.recover()
-            self.send("(ok recover)\n")
-        else:
-            self._carry_out_rest(command)
-
-    def _carry_out_rest(self, command: said.Command) -> None:
-        game = self.game
-        if isinstance(command, said.TeamNames):
+        elif isinstance(command, said.TeamNames):
             names = [f" (team {side} {name})" for side, name in zip("lr", game.teams, strict=True) if name]
             self.send(f"(ok team_names{''.join(names)})\n")
         elif isinstance(command, said.TrainerSay):
-            self.to_say.append(command.message)
-            self.server.logs.speech(game.match, "coach", command.message)
-            self.hear_own(command.message)
-            self.send("(ok say)")
-        elif isinstance(command, said.ChangePlayerType):
-            self._change_type(command)
-        elif isinstance(command, said.Done):
-            self.done = True
+            self._say(command.message)
         elif isinstance(command, said.Compression):
             self.send(f"(ok compression {command.level})")
-            self.connection.compress(command.level)
+            if self.connection is not None:
+                self.connection.compress(command.level)
         else:
-            self.send("(error unknown_command)")
+            reply = coach(self.server, command) or "(error unknown_command)"
+            self.send(reply + "\n" if isinstance(command, said.Recover) else reply)
 
-    def hear_own(self, message: str) -> None:
-        """Tell the trainer what he himself says, in the referee's form, as the server does."""
+    def _say(self, message: str) -> None:
         if self.ear:
             self.send(f'(hear {self.game.time} referee "{message}")')
-
-    def _move_player(self, command: said.MovePlayer) -> None:
-        team = self.game.find_team(command.team)
-        i = None if team is None else self.game.player_index(1 if team == 0 else -1, command.unum)
-        if i is None or not self.game.enabled(i):
-            self.send("(error illegal_object_form)")
-            return
-        self.game.move_player(i, command.x, command.y, command.angle, command.velocity)
-        self.send("(ok move)")
-
-    def _change_type(self, command: said.ChangePlayerType) -> None:
-        game = self.game
-        team = game.find_team(command.team)
-        if team is None:
-            self.send("(warning no_team_found)")
-            return
-        i = game.player_index(1 if team == 0 else -1, command.unum)
-        if i is None or not game.enabled(i):
-            self.send("(warning no_such_player)")
-        elif not 0 <= command.player_type < len(game.types):
-            self.send("(error out_of_range_player_type)")
-        else:
-            game.substitute(i, command.player_type)
-            self.server.tell_type(i)
-            self.send(f"(ok change_player_type {command.team} {command.unum} {command.player_type})")
+        self.server.trainer_spoke(message)
+        self.send("(ok say)")
