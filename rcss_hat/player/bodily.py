@@ -178,19 +178,14 @@ def _collided(agent: Record, params: Record, dashed: bool, turned: bool, neck: f
             other_x = sign(vx) != sign(speed * math.cos(way)) or abs(vx) < _SEEN_STILL
             other_y = sign(vy) != sign(speed * math.sin(way)) or abs(vy) < _SEEN_STILL
             hit = other_x and other_y
+    agent["collided"][0] = hit
     if not hit:
-        if ball < params["visible_distance"][0]:
-            agent["collided"][0] = 0
         return False
-    agent["collided"][0] = 1
     agent["collision_time"][0] = agent["now"][0]
     if ball < closest_other(agent, agent["pos"][0, 0], agent["pos"][0, 1]):
         away = 0.2 / ball if ball > 0.0 else 0.0
-        set_ball(
-            agent, px + bx * away, py + by * away, -0.1 * agent["ball_vel"][0, 0], -0.1 * agent["ball_vel"][0, 1]
-        )  # fmt: skip
-    else:
-        vx, vy = speed * math.cos(way), speed * math.sin(way)
+        set_ball(agent, px + bx * away, py + by * away, -0.1 * agent["ball_vel"][0, 0], -0.1 * agent["ball_vel"][0, 1])
+    vx, vy = speed * math.cos(way), speed * math.sin(way)
     agent["pos"][0, 0] = px
     agent["pos"][0, 1] = py
     agent["vel"][0, 0] = vx

@@ -65,7 +65,7 @@ AGENT = np.dtype(
         ("effort", "f8"),
         ("shift", "f8", (2,)),  # correction of the own position by the last see
         ("counts", "i4", (N_COUNTS,)),
-        ("collided", "u1"),  # with the ball or a player, and since then no news of the ball within sight
+        ("collided", "u1"),  # with the ball or a player in the last step
         ("collision_time", "i4"),
         # the commands last given
         ("sent_time", "i4"),
