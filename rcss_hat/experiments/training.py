@@ -27,6 +27,7 @@ from typing import Any
 
 import numba
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 
 from rcss_hat import __version__
@@ -236,7 +237,7 @@ class TrainingRun:
             raise TrainingError(str(problem)) from problem
         if len(durations) != run.episodes:
             raise TrainingError(f"{run.log.path} has {len(durations)} episodes, its checkpoint {run.episodes}")
-        run.recent.extend(int(duration) for duration in durations[-WINDOW:])
+        run.recent = _recent(durations)
         run._arena = {name.removeprefix(_PREFIX): a for name, a in saved.arrays.items() if name.startswith(_PREFIX)}
         return run
 
@@ -336,6 +337,7 @@ class TrainingRun:
         if len(known) == self.episodes - self._session_episode:
             self.log.cut(self._session_log)
             self.record(known)
+            self.recent = _recent(read_episode_log(self.log.path)["duration"])
 
     # -- in the arena ------------------------------------------------------------------------------------------------
     def train(
@@ -396,6 +398,10 @@ class TrainingRun:
         self.reuse_from = self.episodes
         self.learners.records["episodes"] = 0
         self.checkpoint(self._arena)
+
+
+def _recent(durations: pd.Series) -> deque[int]:
+    return deque((int(cycles) for cycles in durations[-WINDOW:]), maxlen=WINDOW)
 
 
 def read_config(folder: Path) -> RunConfig:
