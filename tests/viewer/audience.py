@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from rcss_hat.keepaway.report import Episode
+from rcss_hat.viewer.audience import Audience, WatchError
 from rcss_hat.viewer.frames import Frame, Player, Setup, Snapshot
+from rcss_hat.viewer.narrator import make_frame
 
 DATA = Path(__file__).parents[1] / "data" / "viewer"
 SETUP = Setup("test")
@@ -65,3 +67,32 @@ async def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
     async with asyncio.timeout(seconds):
         while not condition():
             await asyncio.sleep(0.002)
+
+
+FIELD = {"l1": (0.0, 0.0), "l2": (5.0, 0.0), "l3": (0.0, 6.0), "r1": (-5.0, 0.0), "r2": (-6.0, 0.0)}
+
+
+class Stage:
+    """A source that shows what a test tells it to."""
+
+    def __init__(self) -> None:
+        self.audience: Audience | None = None
+        self.commands: list[tuple[str, float]] = []
+        self.failure: WatchError | None = None
+        self.over = asyncio.Event()
+
+    async def run(self, audience: Audience) -> None:
+        self.audience = audience
+        audience.setup(SETUP, live=True)
+        await self.over.wait()
+        if self.failure is not None:
+            raise self.failure
+
+    def command(self, name: str, value: float) -> bool:
+        self.commands.append((name, value))
+        return name == "play"
+
+    def show(self, time: int) -> None:
+        """Show keeper 1 with the ball, keeper 2 to the right and keeper 3 below."""
+        assert self.audience is not None
+        self.audience.frame(make_frame(snapshot(time, (0.5, 0.0), **FIELD), SETUP, 1, 0))

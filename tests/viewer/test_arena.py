@@ -90,7 +90,7 @@ async def test_a_person_plays_the_arena_at_real_time_pace() -> None:
 
     assert not game.command("pause", 0)
     running = asyncio.create_task(game.run(Both()))
-    await until(lambda: audience.frames, 120.0)
+    await until(lambda: audience.frames, 300.0)
     loop = asyncio.get_running_loop()
     begun, first = loop.time(), len(audience.frames)
     await until(lambda: audience.frames[-1]["holder"] in ("l1", "l2", "l3") and audience.frames[-1]["seen"])
@@ -135,7 +135,7 @@ async def test_a_growing_arena_match_is_played_back() -> None:
     playback = Playback(ArenaReel(task, 2, policy("random", task, 2), episodes=2), speed=100.0)
     audience = Remembering()
     running = asyncio.create_task(playback.run(audience))
-    await until(lambda: not playback.playing, 120.0)
+    await until(lambda: not playback.playing, 300.0)
     running.cancel()
     await asyncio.gather(running, return_exceptions=True)
     assert len(audience.ended) == 2

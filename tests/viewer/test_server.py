@@ -10,40 +10,12 @@ import aiohttp
 import pytest
 
 from rcss_hat.keepaway.report import OUT, Episode
-from rcss_hat.viewer.audience import Audience, WatchError
+from rcss_hat.viewer.audience import WatchError
 from rcss_hat.viewer.controls import KeyChannel
 from rcss_hat.viewer.demonstration import Demonstration
-from rcss_hat.viewer.narrator import make_frame
 from rcss_hat.viewer.server import Viewer, serve, static_files
 
-from .audience import SETUP, snapshot, until
-
-FIELD = {"l1": (0.0, 0.0), "l2": (5.0, 0.0), "l3": (0.0, 6.0), "r1": (-5.0, 0.0), "r2": (-6.0, 0.0)}
-
-
-class Stage:
-    """A source that shows what a test tells it to."""
-
-    def __init__(self) -> None:
-        self.audience: Audience | None = None
-        self.commands: list[tuple[str, float]] = []
-        self.failure: WatchError | None = None
-        self.over = asyncio.Event()
-
-    async def run(self, audience: Audience) -> None:
-        self.audience = audience
-        audience.setup(SETUP, live=True)
-        await self.over.wait()
-        if self.failure is not None:
-            raise self.failure
-
-    def command(self, name: str, value: float) -> bool:
-        self.commands.append((name, value))
-        return name == "play"
-
-    def show(self, time: int) -> None:
-        assert self.audience is not None
-        self.audience.frame(make_frame(snapshot(time, (0.5, 0.0), **FIELD), SETUP, 1, 0))
+from .audience import Stage, until
 
 
 class Page:

@@ -20,7 +20,7 @@ class Viewer {
     this.frames = 0;
     this.status = null;
     this.play = { playing: false, speed: 1, position: 0, length: 0, complete: false };
-    this.described = 0;
+    this.described = -Infinity;
     this.pitch = new Pitch($("pitch"));
     this.facts = new Facts();
     this.history = new History($("history"), this.pitch);
@@ -104,7 +104,7 @@ class Viewer {
     this.facts.show(frame, this.setup);
     if (!this.live) this.history.mark(frame.episode);
     if (this.pitch.playing) this.showChoices();
-    if (now - this.described > DESCRIBE_MS) this.describe(now);
+    if (now - this.described > DESCRIBE_MS || (!this.live && !this.play.playing)) this.describe(now);
   }
 
   describe(now) {
@@ -241,7 +241,10 @@ class Viewer {
 
   playback(name, value = 0) { this.send({ type: "playback", name, value }); }
   playOrPause() { this.playback(this.play.playing ? "pause" : "play"); }
-  changeSpeed(step) { this.playback("speed", nextSpeed(this.play.speed, step)); }
+  changeSpeed(step) {
+    this.play.speed = nextSpeed(this.play.speed, step);
+    this.playback("speed", this.play.speed);
+  }
 
   // -- wiring ---------------------------------------------------------------------------------------------------------
   help() { $("help").showModal(); }

@@ -48,7 +48,7 @@ function seek(viewer, event) {
     ArrowLeft: () => viewer.playback("step", -stride),
     ArrowRight: () => viewer.playback("step", stride),
     Home: () => viewer.playback("seek", 0),
-    End: () => viewer.playback("seek", Number.MAX_SAFE_INTEGER),
+    End: () => viewer.playback("seek", 1e9),
     "[": () => viewer.playback("episode", -1),
     "]": () => viewer.playback("episode", 1),
     "+": () => viewer.changeSpeed(1),
