@@ -66,6 +66,7 @@ class SynchClock:
         server = self._server
         match, params = server.game.match, server.game.kernel
         while server.running:
+            server.hold()
             server.step()
             clock.sees_before_think(match, params, self._due)
             server.send_sees(self._due)
@@ -81,6 +82,7 @@ class SynchClock:
     def _pause(self) -> None:
         server, timing = self._server, self._timing
         if server.game.time <= 0:
+            server.release()
             give_up = time.monotonic() + timing.pause
             while server.running and not server.kicked_off and (left := give_up - time.monotonic()) > 0.0:
                 server.read_others(left)
@@ -94,6 +96,7 @@ class SynchClock:
         server = self._server
         self._pause()
         thinkers = server.start_thinking()
+        server.release()
         give_up = time.monotonic() + self._timing.patience
         left = self._timing.patience if thinkers else 0.0
         while server.running:
@@ -148,5 +151,7 @@ class RealTimeClock:
             server.read_all(0.0)
             server.carry_out()
             if clock.tick(match, params, self._due) & clock.STEP_DUE:
+                server.hold()
                 server.step()
             server.send_sees(self._due)
+            server.release()

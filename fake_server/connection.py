@@ -38,6 +38,7 @@ class Connection:
         self.address = address
         self.connected = True
         self._level = -1
+        self._held: list[bytes] | None = None
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.setblocking(False)
         self.socket.bind((bind, 0))
@@ -56,9 +57,23 @@ class Connection:
         buffer[size] = 0
         self.send_bytes(buffer[: size + 1].data)
 
+    def hold(self) -> None:
+        """Keep what is sent until `release`; a burst wakes the client once, not with every datagram."""
+        if self._held is None:
+            self._held = []
+
+    def release(self) -> None:
+        """Send what was kept, and everything else at once again."""
+        held, self._held = self._held, None
+        for data in held or ():
+            self.send_bytes(data)
+
     def send_bytes(self, data: bytes | memoryview) -> None:
         """Send a datagram as it is."""
         if not self.connected:
+            return
+        if self._held is not None:
+            self._held.append(bytes(data))
             return
         if self._level >= 0:
             stream = zlib.compressobj(self._level)

@@ -7,7 +7,8 @@ done (`PlayerClient.carry_out`): then the order in which the datagrams of severa
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,8 +29,8 @@ if TYPE_CHECKING:
     from fake_server.server import Server
 
 _DONE = b"(done)\0"
-_ONLY_ANSWERED = (said.Score, said.Clang, said.Compression, said.SenseBody, said.Done)
-"""Commands that change nothing in the match."""
+_CHANGE_NOTHING = frozenset({said.Score, said.Clang, said.Compression, said.SenseBody, said.Done})
+"""Commands that are only answered."""
 
 
 class PlayerClient:
@@ -53,7 +54,7 @@ class PlayerClient:
         self.game: Game = server.game
         self.version = int(self.game.match["version"][0, i])
         self.done = False
-        self._pending: list[said.Command] = []
+        self._pending: list[Any] = []
         self._see, self._sense = empty(SEE), empty(SENSE_BODY)
         self._buffer = np.zeros(text.MAX_MESSAGE, dtype=np.uint8)
         self._landmarks = np.ones(N_LANDMARKS, dtype=np.uint8)
@@ -107,26 +108,25 @@ class PlayerClient:
             size = text.write_fullstate(self.game.match, self.i, mode, self._buffer)
             self.connection.send_buffer(self._buffer, size)
 
-    def hear(self) -> None:
-        """Send what was said in the cycle before."""
+    def hear(self, messages: list[tuple[int, str]]) -> None:
+        """Send what was said in the cycle before: a list of speakers (index) and texts."""
         game = self.game
-        match = game.match
-        n = hearing.deliver(match, game.kernel, self.i, game.streams, self._order)
-        for m, how in self._order[:n].tolist():
-            speaker = int(match["heard_by"][0, m])
-            message = match["heard"][0, m, : match["heard_n"][0, m]].tobytes().decode("ascii")
-            self.send(self._heard(how, speaker, message))
+        n = hearing.deliver(game.match, game.kernel, self.i, game.streams, self._order)
+        if n > 0:
+            now = game.time
+            for m, how in self._order[:n].tolist():
+                self.send(self._heard(now, how, *messages[m]))
 
-    def _heard(self, how: int, speaker: int, message: str) -> str:
-        game, now = self.game, self.game.time
+    def _heard(self, now: int, how: int, speaker: int, message: str) -> str:
         if how == hearing.HEAR_SELF:
             return text.hear_self(now, message)
         own = speaker // MAX_PLAYERS == self.i // MAX_PLAYERS
+        unum = speaker % MAX_PLAYERS + 1
         if how == hearing.HEAR_PART:
-            return text.hear_partly(now, game.unum(speaker) if own else 0)
-        direction = int(hearing.voice_direction(game.match, self.i, speaker))
+            return text.hear_partly(now, unum if own else 0)
+        direction = int(hearing.voice_direction(self.game.match, self.i, speaker))
         if own:
-            return text.hear_team_mate(now, direction, game.unum(speaker), message)
+            return text.hear_team_mate(now, direction, unum, message)
         return text.hear_opponent(now, direction, message)
 
     def see(self) -> None:
@@ -156,38 +156,52 @@ class PlayerClient:
             return
         commands, complete = said.parse_commands(data, self.game.params.profile)
         for command in commands:
-            self._answer(command)
-            if not isinstance(command, _ONLY_ANSWERED):
+            kind = type(command)
+            answer = _ANSWERS.get(kind)
+            if answer is not None:
+                answer(self, command)
+            if kind not in _CHANGE_NOTHING:
                 self._pending.append(command)
         if not complete:
             self.send("(error illegal_command_form)")
             if not self.server.options.quiet:
                 print(f"Error parsing >{data.split(bytes(1), 1)[0].decode('latin-1')}<", file=sys.stderr)
 
-    def _answer(self, command: said.Command) -> None:
-        """Send what a command is answered with at once."""
-        if isinstance(command, said.Done):
-            self.done = True
-        elif isinstance(command, said.Score):
-            own, score = self.i // MAX_PLAYERS, self.game.score
-            self.send(text.score_reply(self.game.time, score[own], score[1 - own]))
-        elif isinstance(command, said.SenseBody):
-            self.sense_body(self._with_pending())
-        elif isinstance(command, said.SynchSee):
-            self.send("(ok synch_see)")
-        elif isinstance(command, said.GaussianSee):
-            self.send("(ok gaussian_see)")
-        elif isinstance(command, said.Clang):
-            self.send(f"(ok clang (ver {command.minimum} {command.maximum}))")
-        elif isinstance(command, said.Compression):
-            if command.level <= 9:
-                self.send(f"(ok compression {command.level})")
-                self.connection.compress(command.level)
-        elif isinstance(command, said.Ear):
-            if command.team is not None and team_of(self.game, self.i, command.team) is None:
-                self.send(f"(error no team with name {command.team})")
-        elif isinstance(command, said.Bye):
-            self.done = True
+    def answer_done(self, command: said.Done | said.Bye) -> None:
+        """Note that the client has finished this cycle, or for good."""
+        self.done = True
+
+    def answer_score(self, command: said.Score) -> None:
+        """Tell the score."""
+        own, score = self.i // MAX_PLAYERS, self.game.score
+        self.send(text.score_reply(self.game.time, score[own], score[1 - own]))
+
+    def answer_sense_body(self, command: said.SenseBody) -> None:
+        """Send sense_body as it is after the client's own commands so far."""
+        self.sense_body(self._with_pending())
+
+    def answer_synch_see(self, command: said.SynchSee) -> None:
+        """Confirm."""
+        self.send("(ok synch_see)")
+
+    def answer_gaussian_see(self, command: said.GaussianSee) -> None:
+        """Confirm."""
+        self.send("(ok gaussian_see)")
+
+    def answer_clang(self, command: said.Clang) -> None:
+        """Confirm."""
+        self.send(f"(ok clang (ver {command.minimum} {command.maximum}))")
+
+    def answer_compression(self, command: said.Compression) -> None:
+        """Confirm and compress, unless the level is too high."""
+        if command.level <= 9:
+            self.send(f"(ok compression {command.level})")
+            self.connection.compress(command.level)
+
+    def answer_ear(self, command: said.Ear) -> None:
+        """Complain of a team that does not exist."""
+        if command.team is not None and team_of(self.game, self.i, command.team) is None:
+            self.send(f"(error no team with name {command.team})")
 
     def _with_pending(self) -> np.ndarray:
         """Return the match as it will be when the own commands so far have been carried out."""
@@ -202,13 +216,14 @@ class PlayerClient:
         """Carry out the commands that have been read."""
         pending, self._pending = self._pending, []
         for command in pending:
-            if isinstance(command, said.Bye):
+            kind = type(command)
+            if kind is said.Bye:
                 self.server.player_left(self)
                 return
-            if isinstance(command, said.Move):
+            if kind is said.Move:
                 self._warn_of(command)
             accepted = apply(self.game, self.game.match, self.game.streams[PHYSICS], self.i, command)
-            if accepted and isinstance(command, said.Say):
+            if accepted and kind is said.Say:
                 self.server.player_spoke(self.i, command.message)
 
     def _warn_of(self, command: said.Move) -> None:
@@ -221,3 +236,17 @@ class PlayerClient:
                 self.send("(warning moving_to_opponent_field)")
         elif int(match["catcher"][0]) == self.i and too_many_moves(match, game.kernel, self.i):
             self.send("(error too_many_moves)")
+
+
+_ANSWERS: dict[type, Callable[[PlayerClient, Any], None]] = {
+    said.Done: PlayerClient.answer_done,
+    said.Bye: PlayerClient.answer_done,
+    said.Score: PlayerClient.answer_score,
+    said.SenseBody: PlayerClient.answer_sense_body,
+    said.SynchSee: PlayerClient.answer_synch_see,
+    said.GaussianSee: PlayerClient.answer_gaussian_see,
+    said.Clang: PlayerClient.answer_clang,
+    said.Compression: PlayerClient.answer_compression,
+    said.Ear: PlayerClient.answer_ear,
+}
+"""What commands are answered with at once."""

@@ -191,6 +191,18 @@ class Server:
                 player.carry_out()
         self._remove_disconnected()
 
+    def hold(self) -> None:
+        """Keep all messages to players until `release`."""
+        for player in self.players:
+            if player is not None:
+                player.connection.hold()
+
+    def release(self) -> None:
+        """Send every player what was kept, in a burst."""
+        for player in self.players:
+            if player is not None:
+                player.connection.release()
+
     def start_thinking(self) -> list[PlayerClient | TrainerClient]:
         """Ask everybody to think; returns those who have to answer."""
         thinkers: list[PlayerClient | TrainerClient] = [player for player in self.players if player is not None]
@@ -318,9 +330,10 @@ class Server:
             for player in players:
                 for message in said:
                     player.send(text.hear_coach(self.game.time, message))
-        if self.game.match["n_heard"][0]:
+        messages = self.game.messages()
+        if messages:
             for player in players:
-                player.hear()
+                player.hear(messages)
 
     def send_sees(self, due: NDArray[np.uint8]) -> None:
         """Send so many see messages to every player."""
