@@ -16,6 +16,8 @@ from rcss_hat.team.connection import ServerGone
 from rcss_hat.team.kickoff import Referee
 from rcss_hat.team.servers import ServerFailed, ServerProcess
 
+COMPILING = 180.0
+"""Seconds a server of ours may take to answer for the first time: it may have to compile."""
 KEEPERS, TAKERS = "keepers", "takers"
 Progress = Callable[[int, int], None]
 """Told (episodes finished, cycle) after every episode."""
@@ -188,13 +190,14 @@ async def play(
     on_episode : callable, optional
         Called with every finished episode; its reason is the server's where the server is ours.
     """
-    if server is not None:
-        await server.start()
     host, port = (server.host, server.port) if server is not None else address or ("127.0.0.1", 6000)
     match = Match(task, host, port, seed, keepers, True, episodes, progress)
     if on_episode is not None:
         match.on_episode = lambda episode: on_episode(_as_logged(episode, server))
     try:
+        if server is not None:
+            await server.start()
+            await server.answers(COMPILING)
         await match.connect()
         await match.play(kick_off=True, server=server)
     except (ServerGone, ServerFailed, RemoteProtocolError) as error:

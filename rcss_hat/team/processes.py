@@ -16,7 +16,7 @@ from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.team.client import PlayerClient
 from rcss_hat.team.connection import ServerGone
 from rcss_hat.team.kickoff import Referee
-from rcss_hat.team.match import KEEPERS, TAKERS, Progress, never
+from rcss_hat.team.match import COMPILING, KEEPERS, TAKERS, Progress, never
 from rcss_hat.team.servers import ServerFailed, ServerProcess
 
 PATIENCE = 120.0
@@ -127,13 +127,14 @@ async def play_in_processes(
     progress: Progress | None = None,
 ) -> None:
     """Play as `rcss_hat.team.match.play` does, every player in a process of its own."""
-    if server is not None:
-        await server.start()
     host, port = (server.host, server.port) if server is not None else address or ("127.0.0.1", 6000)
     players = _Players(task, host, port, seed, policy)
     ends: list[tuple[int, bool]] = []
     first, begun = 0, None
     try:
+        if server is not None:
+            await server.start()
+            await server.answers(COMPILING)
         await _connect(players, task.keepers + task.takers)
         referee = Referee(host, port)
         await referee.connect()

@@ -1,0 +1,180 @@
+from __future__ import annotations
+
+import asyncio
+import gzip
+import json
+import signal
+import socket
+from pathlib import Path
+
+import pytest
+
+from fake_server.options import parse_options
+from fake_server.server import running_server
+from rcss_hat.hat.policy import load_policy
+from rcss_hat.keepaway.report import RunReport
+from rcss_hat.keepaway.task import Task
+from rcss_hat.team.connection import Connection, ServerGone
+from rcss_hat.team.kickoff import Referee
+from rcss_hat.team.match import play, play_team
+from rcss_hat.team.options import server_options
+from rcss_hat.team.processes import play_in_processes
+from rcss_hat.team.relay import Relay
+from rcss_hat.team.servers import ServerFailed, ServerProcess, free_ports
+
+pytestmark = pytest.mark.compiled
+TASK = Task()
+
+
+def empty_report() -> RunReport:
+    return RunReport("fake", "hold", "hand", TASK.size, TASK.field, TASK.vision, 1)
+
+
+def warm_policy(name: str = "hold"):  # type: ignore[no-untyped-def]
+    policy = load_policy(name, 3, 2, 1)
+    policy.warm_up()
+    return policy
+
+
+def test_a_match_on_a_server_of_our_own() -> None:
+    report, told = empty_report(), []
+    server = ServerProcess(TASK, 1)
+    asyncio.run(play(report, TASK, 1, warm_policy(), 3, server, None, lambda n, cycle: told.append(n)))
+    server.clean()
+    assert report.failure is None
+    assert [e.number for e in report.episodes] == [1, 2, 3]
+    assert all(e.reason in "ot" for e in report.episodes)
+    assert told == [1, 2, 3]
+    assert report.cycles >= report.episodes[-1].end
+
+
+def test_a_server_that_dies_is_named_and_nothing_is_lost() -> None:
+    report = empty_report()
+    server = ServerProcess(TASK, 1)
+
+    def kill(finished: int, cycle: int) -> None:
+        if finished == 2:
+            assert server._process is not None
+            server._process.send_signal(signal.SIGKILL)
+
+    asyncio.run(play(report, TASK, 1, warm_policy(), 50, server, None, kill))
+    server.clean()
+    assert report.failure is not None
+    assert "server" in report.failure
+    assert report.exit_code == 1
+    assert len(report.episodes) >= 2
+
+
+def test_no_server_is_a_clear_error() -> None:
+    async def connect() -> None:
+        await Connection("127.0.0.1", free_ports(1), "keeper 1").open(b"(init keepers (version 11))\0", attempts=2)
+
+    with pytest.raises(ServerGone, match="keeper 1: no server answers at 127"):
+        asyncio.run(connect())
+
+
+def test_an_unknown_host_is_a_clear_error() -> None:
+    async def connect() -> None:
+        await Connection("no-such-host.invalid", 6000, "keeper 1").open(b"(init k)\0", attempts=1)
+
+    with pytest.raises(ServerGone, match="no-such-host"):
+        asyncio.run(connect())
+
+
+def test_a_wrong_option_ends_the_server_and_the_match_says_why() -> None:
+    report = empty_report()
+    server = ServerProcess(TASK, 1, verbose="maybe")
+    asyncio.run(play(report, TASK, 1, warm_policy(), 1, server, None))
+    server.clean()
+    assert report.failure is not None
+    assert "exit code 2" in report.failure
+    assert "verbose" in report.failure
+
+
+def test_a_full_team_is_refused_with_the_servers_words() -> None:
+    with running_server(
+        parse_options(server_options(TASK, real=False, port=0, coach_port=0, olcoach_port=0))
+    ) as server:
+        server_address = ("127.0.0.1", server.port)
+        names = [b"(init one (version 11))\0", b"(init two (version 11))\0"]
+        sockets = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in names]
+        for client, name in zip(sockets, names, strict=True):
+            client.settimeout(5.0)
+            client.sendto(name, server_address)
+            assert client.recv(100).startswith(b"(init ")
+        report = empty_report()
+        asyncio.run(play_team(report, TASK, 1, warm_policy(), 1, server_address, kick_off=False))
+        for client in sockets:
+            client.close()
+    assert report.failure is not None
+    assert "no_more_team" in report.failure
+
+
+async def _both_teams(address: tuple[str, int]) -> tuple[RunReport, RunReport]:
+    keepers, takers = empty_report(), empty_report()
+    await asyncio.gather(
+        play_team(keepers, TASK, 1, warm_policy(), 2, address, kick_off=True),
+        play_team(takers, TASK, 1, None, 2, address, kick_off=False),
+    )
+    return keepers, takers
+
+
+def test_two_teams_launched_apart_meet_on_a_server() -> None:
+    options = server_options(TASK, real=False, port=0, coach_port=0, olcoach_port=0, keepaway_logging=False)
+    with running_server(parse_options(options)) as server:
+        keepers, takers = asyncio.run(_both_teams(("127.0.0.1", server.port)))
+    assert keepers.failure is None
+    assert takers.failure is None
+    assert [e.end for e in keepers.episodes] == [e.end for e in takers.episodes]
+
+
+def test_waiting_for_players_who_never_come_has_an_end() -> None:
+    options = server_options(TASK, real=False, port=0, coach_port=0, olcoach_port=0, keepaway_logging=False)
+
+    async def wait(port: int) -> None:
+        referee = Referee("127.0.0.1", port)
+        await referee.connect()
+        await referee.wait_for(3, 2, patience=0.5)
+
+    with running_server(parse_options(options)) as server, pytest.raises(ServerGone, match="0 and 0 came"):
+        asyncio.run(wait(server.port))
+
+
+@pytest.mark.slow
+def test_one_process_per_player() -> None:
+    report = empty_report()
+    server = ServerProcess(TASK, 1)
+    asyncio.run(play_in_processes(report, TASK, 1, warm_policy(), 2, server, None))
+    server.clean()
+    assert report.failure is None
+    assert len(report.episodes) == 2
+
+
+def test_the_relay_records_both_directions(tmp_path: Path) -> None:
+    transcript = tmp_path / "match.jsonl.gz"
+    report = empty_report()
+
+    async def run() -> None:
+        server = ServerProcess(TASK, 1)
+        async with server:
+            await server.answers(300.0)
+            async with Relay(server.host, server.port, transcript) as relay:
+                await play(report, TASK, 1, warm_policy(), 1, None, ("127.0.0.1", relay.port))
+        server.clean()
+
+    asyncio.run(run())
+    assert report.failure is None
+    with gzip.open(transcript, "rt") as file:
+        entries = [json.loads(line) for line in file]
+    assert {"keepers_1", "keepers_2", "keepers_3", "takers_1", "takers_2"} <= {e["client"] for e in entries}
+    assert any(e["dir"] == "send" and e["text"] == "(done)" for e in entries)
+    assert any(e["dir"] == "recv" and e["text"].startswith("(see ") for e in entries)
+    assert max(e["t_cycle"] for e in entries) >= report.episodes[0].end
+
+
+def test_a_missing_executable_is_a_clear_error() -> None:
+    async def start() -> None:
+        await ServerProcess(TASK, None, "/no/such/rcssserver").start()
+
+    with pytest.raises(ServerFailed, match="cannot start /no/such/rcssserver"):
+        asyncio.run(start())
