@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import datetime
 import json
+import math
 import secrets
 import sys
 from collections.abc import Callable
@@ -14,6 +15,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, fail, plain_errors, progress_bar, stage_text, task_options
+from rcss_hat.cli.person import demonstrate_by_hand, parse_actions
+from rcss_hat.cli.stages import own_server
 from rcss_hat.keepaway.report import Episode, RunReport
 from rcss_hat.keepaway.task import Task
 
@@ -23,8 +26,21 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--on", "stage", type=Stage(FAKE, ARENA, REAL), default=FAKE, show_default=True, help="Where to play.")
-@click.option("--teacher", default="hand", show_default=True, help="hold, random, hand, a decision list, or a run.")
+@click.option(
+    "--on", "stage", type=Stage(FAKE, ARENA, REAL), default=None, help="Where to play.  [default: fake; people: arena]"
+)
+@click.option(
+    "--teacher",
+    default="hand",
+    show_default=True,
+    help="hold, random, hand, a decision list, a run, or a scripted person: A, B, C, B-fast, B-limited.",
+)
+@click.option("--browser", is_flag=True, help="You demonstrate, in a browser.")
+@click.option("--terminal", is_flag=True, help="You demonstrate, in this terminal.")
+@click.option("--actions", default=None, help="You: what you may do, e.g. hold,pass1.  [default: everything]")
+@click.option("--speed", type=click.FloatRange(0.1, 20), default=1.0, help="You, in the arena: times real time.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; 0: any.")
+@click.option("--open/--no-open", "open_browser", default=True, help="Open the page by itself.")
 @click.option("--episodes", type=click.IntRange(1), default=20, show_default=True, help="How many in all.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same demonstration (fake and arena).")
 @click.option(
@@ -36,8 +52,14 @@ if TYPE_CHECKING:
 @task_options
 def demonstrate(
     task: Task,
-    stage: str | tuple[str, int],
+    stage: str | tuple[str, int] | None,
     teacher: str,
+    browser: bool,
+    terminal: bool,
+    actions: str | None,
+    speed: float,
+    port: int,
+    open_browser: bool,
     episodes: int,
     seed: int | None,
     out: Path,
@@ -45,50 +67,95 @@ def demonstrate(
     executable: str | None,
     as_json: bool,
 ) -> None:
-    """Record a teacher that controls the keeper with the ball.
+    """Record a teacher that controls the keeper with the ball: a policy, a scripted person, or you.
 
-    Every finished episode is on the disk before the next one begins; Ctrl-C keeps them all.
+    Every finished episode is on the disk before the next one ends; Ctrl-C keeps them all.
 
     \b
     Example:
       rcss-hat demonstrate --on fake --teacher hand --episodes 20 --seed 1 --out demo.csv
+      rcss-hat demonstrate --browser --episodes 20 --out mine.csv
+      rcss-hat demonstrate --browser --on localhost:6000 --actions hold,pass1 --out mine.csv
       rcss-hat summarize demo.csv --out rules.json
     """
     from rcss_hat.hat.demonstration_writer import DemonstrationWriter
     from rcss_hat.hat.demonstrations import DemonstrationInfo, DemonstrationSet
-    from rcss_hat.hat.policy import PolicyError, load_policy
+    from rcss_hat.hat.teachers import STYLES
 
-    seed = secrets.randbelow(2**31) if seed is None else seed
+    person = browser or terminal
+    stage = stage or (ARENA if person else FAKE)
+    name = "person" if person else teacher
+    if speed != 1.0 and not (person and stage == ARENA):
+        raise click.UsageError(
+            "--speed is for people in the arena (--browser or --terminal); servers play in real time"
+        )
+    scripted = next((style for style in STYLES if style.lower() == teacher.lower()), None)
+    if scripted and not person and stage != ARENA:
+        raise click.UsageError(f"the scripted person {scripted} sees the whole field: use --on arena")
     try:
-        policy = load_policy(teacher, task.keepers, task.takers, seed)
-    except PolicyError as error:
-        raise click.BadParameter(str(error), param_hint="--teacher") from error
+        allowed = parse_actions(actions, task.keepers)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--actions") from error
+    seed = secrets.randbelow(2**31) if seed is None else seed
+    policy = None if person or scripted else _policy(teacher, task, seed)
     today = datetime.date.today().isoformat()
-    info = DemonstrationInfo(teacher, stage_text(stage), task, dict(task.server_values()), seed, today)
-    report = RunReport(stage_text(stage), teacher, "hand", task.size, task.field, task.vision, seed)
+    info = DemonstrationInfo(name, stage_text(stage), task, dict(task.server_values()), seed, today)
+    report = RunReport(stage_text(stage), name, "hand", task.size, task.field, task.vision, seed)
     with plain_errors(ValueError, RuntimeError):
         out.parent.mkdir(parents=True, exist_ok=True)
         with (
             DemonstrationWriter(out, info, resume) as writer,
-            progress_bar(f"{teacher} demonstrates", episodes, hide=as_json) as update,
+            progress_bar(f"{name} demonstrates", episodes, hide=as_json or person) as update,
         ):
             missing = episodes - len(writer.entries)
             if missing <= 0:
                 click.echo(f"{out} already has {len(writer.entries)} episodes", err=True)
-            elif stage == ARENA:
+            elif person:
+                server = own_server(task, seed, stage, executable, synch_mode=False) if stage != ARENA else None
+                demonstrate_by_hand(
+                    report, task, stage, seed, writer, episodes, speed, allowed, terminal, port, open_browser, server
+                )
+            elif scripted:
+                _scripted(task, scripted, seed + len(writer.entries), missing, writer, update)
+            elif policy is not None and stage == ARENA:
                 _in_arena(task, seed, policy, missing, writer, update)
-            else:
+            elif policy is not None:
                 _over_udp(report, task, stage, seed, policy, missing, writer, update, executable)
-        description = DemonstrationSet.load(out).describe()
+        recorded = DemonstrationSet.load(out)
     if as_json:
         summary = {**report.summary(), "out_file": str(out), "episodes": len(writer.entries)}
-        summary.update(decisions=writer.n_decisions, mean_s=round(writer.mean_duration, 4))
+        mean = None if math.isnan(writer.mean_duration) else round(writer.mean_duration, 4)
+        summary.update(decisions=writer.n_decisions, mean_s=mean)
         click.echo(json.dumps(summary))
+    elif len(recorded):
+        click.echo(recorded.describe().to_text())
     else:
-        click.echo(description.to_text())
+        click.echo("no episode was recorded")
     if report.failure and not as_json:
         fail(f"{report.failure} (the finished episodes are in {out})", report.exit_code)
     sys.exit(report.exit_code)
+
+
+def _policy(teacher: str, task: Task, seed: int) -> TeamPolicy:
+    from rcss_hat.hat.policy import PolicyError, load_policy
+
+    try:
+        return load_policy(teacher, task.keepers, task.takers, seed)
+    except PolicyError as error:
+        raise click.BadParameter(str(error), param_hint="--teacher") from error
+
+
+def _scripted(
+    task: Task, style: str, seed: int, episodes: int, writer: DemonstrationWriter, update: Callable[..., None]
+) -> None:
+    from rcss_hat.experiments.demonstrating import demonstrate as let_teach
+
+    for demonstration in let_teach(task, style, episodes, seed):
+        for decision in demonstration.decisions:
+            writer.add(decision.cycle, decision.keeper, decision.state, decision.action)
+        episode = demonstration.episode
+        writer.end_episode(episode.start, episode.end, episode.reason)
+        update(len(writer.entries))
 
 
 def _in_arena(
@@ -120,7 +187,6 @@ def _over_udp(
     update: Callable[..., None],
     executable: str | None,
 ) -> None:
-    from rcss_hat.cli.stages import own_server
     from rcss_hat.team.demonstration import DemonstrationRecorder
     from rcss_hat.team.match import play
 

@@ -10,6 +10,7 @@ from rcss_hat.cli.common import ARENA, REAL
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
+from rcss_hat.protocol.params import Value
 
 if TYPE_CHECKING:
     from rcss_hat.team.servers import ServerProcess
@@ -110,7 +111,7 @@ def play_over_udp(
 
 
 def own_server(
-    task: Task, seed: int | None, stage: str | tuple[str, int], executable: str | None = None
+    task: Task, seed: int | None, stage: str | tuple[str, int], executable: str | None = None, **changes: Value
 ) -> ServerProcess | None:
     """Return the server of a stage, not started yet; None where somebody else runs it.
 
@@ -128,7 +129,7 @@ def own_server(
         raise ServerFailed(
             f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
         )
-    return ServerProcess(task, seed, found)
+    return ServerProcess(task, seed, found, None, **changes)
 
 
 def play_in_processes_on_stage(

@@ -112,7 +112,8 @@ def fingerprint(module: str) -> str:
 
 def is_cached(module: str) -> bool:
     """Tell whether kernels of a module, as its sources are now, were compiled before on this machine."""
-    if config.DISABLE_JIT or config.CACHE_DIR:
+    settings: Any = config
+    if settings.DISABLE_JIT or settings.CACHE_DIR:
         return True
     return (cache_root() / f"{module}-{fingerprint(module)}").is_dir()
 
