@@ -71,7 +71,7 @@ def run_on_cluster(jobs: Sequence[Job], folders: Sequence[Path], address: str) -
     if not jobs:
         return
     try:
-        client = Client(address, timeout=10)
+        client = Client(address, timeout=5)
     except (OSError, TimeoutError, ValueError) as problem:
         raise ClusterError(f"no Dask scheduler answers at {address}: {problem}") from problem
     with client:

@@ -1,0 +1,148 @@
+"""Studies in TOML: the shipped ones, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rcss_hat.experiments.study import StudyError, load_study, parse_study, study_names
+from rcss_hat.hat.transfer import PPR, ExtraAction, NoPrior, ValueBonus
+
+SMALL = """
+title = "Small"
+seed = 3
+baseline = "none"
+
+[defaults]
+hours = 2
+trials = 4
+
+[demonstrations.A]
+teacher = "A"
+episodes = 3
+
+[[condition]]
+name = "none"
+
+[[condition]]
+name = "ppr"
+method = "ppr"
+settings = { decay = 0.99 }
+learner = "cmac"
+learner_settings = { epsilon = 0.02 }
+demonstrations = "A"
+size = "4v3"
+trials = 2
+"""
+
+
+def small(text: str = "", replace: tuple[str, str] = ("", "")) -> str:
+    return SMALL.replace(*replace) + text
+
+
+def test_the_paper_s_study_has_all_its_conditions() -> None:
+    study = load_study("paper")
+    assert len(study.conditions) == 11 and study.baseline == "no-prior"
+    assert all((c.trials, c.hours, c.evaluation_episodes) == (10, 30.0, 1000) for c in study.conditions.values())
+    methods = [study.conditions[name].method for name in study.tables[0].conditions]
+    assert methods == [NoPrior(), ValueBonus(10.0, 100), ExtraAction(100), PPR(0.999)]
+    assert [len(t.conditions) for t in study.tables] == [4, 4, 5, 3]
+    assert [f.name for f in study.figures] == ["figure-3", "figure-4", "figure-5", "figure-6"]
+    assert study.conditions["AC-best-ppr"].published.total == 431
+    assert study.sets["AC-best"].of == ("A", "C") and study.sets["AC-best"].episodes == 10
+    assert len(study.claims) == 5
+
+
+def test_every_shipped_study_is_valid() -> None:
+    assert study_names() == ["methods", "paper", "rounds", "sets", "size-4v3"]
+    for name in study_names():
+        assert load_study(name).title
+
+
+def test_conditions_inherit_the_defaults_and_change_them() -> None:
+    study = parse_study(SMALL, Path())
+    none, ppr = study.conditions.values()
+    assert (none.label, none.hours, none.trials, none.task.size, none.learner.name) == ("none", 2.0, 4, "3v2", "paper")
+    assert (ppr.trials, ppr.task.field, ppr.learner.name, ppr.learner.epsilon) == (2, "30x30", "cmac", 0.02)
+    assert ppr.method == PPR(decay=0.99)
+    assert ppr.run_config(7).seed == 7
+
+
+def test_seeds_depend_on_study_condition_and_trial_only() -> None:
+    study, other = parse_study(SMALL, Path()), parse_study(small(replace=("seed = 3", "seed = 4")), Path())
+    seeds = [study.trial_seed(name, k) for name in study.conditions for k in range(10)]
+    assert len(set(seeds)) == 20 and min(seeds) >= 0
+    assert study.trial_seed("ppr", 1) == study.chosen(("ppr",)).trial_seed("ppr", 1) != other.trial_seed("ppr", 1)
+
+
+def test_scaling_keeps_the_share_of_rounds_and_the_trials_of_samples() -> None:
+    study = load_study("rounds").scaled(trials=2, hours=3)
+    assert [r.hour for r in study.conditions["more-4"].rounds] == pytest.approx([0.3, 0.6, 0.9])
+    assert {c.trials for c in study.conditions.values()} == {2}
+    sampled = load_study("sets").scaled(trials=3)
+    assert sampled.conditions["no-prior"].trials == 3 and sampled.conditions["set-150"].trials == 1
+    pools = [spec.of[0] for name, spec in sampled.sets.items() if name.startswith("set-")]
+    assert {pool: pools.count(pool) for pool in pools} == dict.fromkeys(["A", "B", "C", "B-limited", "B-fast"], 30)
+
+
+def test_some_conditions_can_be_chosen() -> None:
+    study = load_study("paper").chosen(("no-prior", "A-ppr"))
+    assert list(study.conditions) == ["no-prior", "A-ppr"] and study.claims == ()
+    assert study.tables[0].conditions == ("no-prior", "A-ppr")
+    assert load_study("paper").chosen(("A-ppr",)).baseline is None
+    with pytest.raises(StudyError, match="--only: there is no condition 'x'"):
+        study.chosen(("x",))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("title = ", "not valid TOML"),
+        ("titel = 'x'", "the study has no entry 'titel'"),
+        ("title = 'x'", r"no \[\[condition\]\]"),
+        (small("[[condition]]\nname = 'none'"), "two conditions 'none'"),
+        (small("[[condition]]\nname = 'a/b'"), "letters, digits"),
+        (small("[[condition]]\nname = 'x'\nmethod = 'magic'"), "no transfer method 'magic'"),
+        (small("[[condition]]\nname = 'x'\nmethod = 'ppr'"), "method ppr needs demonstrations"),
+        (small("[[condition]]\nname = 'x'\ndemonstrations = 'A'"), "uses no demonstrations"),
+        (small("[[condition]]\nname = 'x'\nsize = '3v'"), "condition 'x': size is written"),
+        (small("[[condition]]\nname = 'x'\nlearner = 'wise'"), "no learner preset 'wise'"),
+        (small("[[condition]]\nname = 'x'\nlearner_settings = {epsilon = 2}"), "epsilon must be"),
+        (small("[[condition]]\nname = 'x'\nhours = 'long'"), "hours has a value of the wrong kind"),
+        (small("[[condition]]\nname = 'x'\ntrials = 0"), "trials must be at least 1"),
+        (small("[[condition]]\nname = 'x'\nextra = 1"), "condition 'x' has no entry 'extra'"),
+        (small(replace=('demonstrations = "A"', 'demonstrations = "Z"')), "no demonstration set 'Z'"),
+        (small(replace=('baseline = "none"', 'baseline = "nil"')), "baseline: there is no condition 'nil'"),
+        (small(replace=('teacher = "A"', "")), "exactly one of"),
+        (small(replace=("episodes = 3", "")), "a teacher needs a number"),
+        (small("[demonstrations.B]\nof = ['B']"), "made of itself"),
+        (small("[demonstrations.B]\nof = ['A']\npick = 'best'"), "needs 'of' and 'episodes'"),
+        (small("[demonstrations.B]\nof = ['A']\npick = 'nicest'"), "pick must be one of"),
+        (small("[demonstrations.B]\nof = ['A']\nepisodes = 0"), "at least 1"),
+        (small("[[table]]\nname = 't'\ntitle = 't'\nconditions = ['zzz']"), "'t': there is no condition 'zzz'"),
+        (small("[[figure]]\nname='f'\ntitle='f'\nconditions=['ppr']\nteachers=['Z']"), "figure 'f'"),
+        (small("[[claim]]\ntext = 'x'"), "claim 1 needs a text and tests"),
+        (
+            small("[[claim]]\ntext='x'\ntests=[{test='better', metric='total', conditions=['ppr'], than=['none']}]"),
+            "test must be one of",
+        ),
+        (small("[sampling]\npools = []\nepisodes = [1]\nsets = 1"), "sampling needs pools"),
+        (
+            small("[[condition]]\nname='x'\nmethod='ppr'\ndemonstrations='A'\nrounds=[{hour=3, demonstrations='A'}]"),
+            "before the end of the 2 hours",
+        ),
+        (
+            small("[[condition]]\nname='x'\nmethod='ppr'\ndemonstrations='A'\nrounds=[{hour=1}]"),
+            "either demonstrations or watch",
+        ),
+    ],
+)
+def test_errors_name_the_place(text: str, message: str) -> None:
+    with pytest.raises(StudyError, match=message):
+        parse_study(text, Path())
+
+
+def test_a_study_that_is_not_there_is_named() -> None:
+    with pytest.raises(StudyError, match="no study 'nothing': there are methods, paper"):
+        load_study("nothing")
