@@ -210,7 +210,7 @@ def test_a_dask_cluster_that_is_not_there_is_named(finished: Experiment, tmp_pat
     assert threading.active_count() < 50
 
 
-# -- command line --------------------------------------------------------------------------------------------------------
+# -- command line ------------------------------------------------------------------------------------------------------
 
 
 def test_the_command_runs_resumes_and_reports(tmp_path: Path) -> None:
