@@ -34,6 +34,8 @@ MAX_MESSAGE = 4096
 PICTURE = 1.0 / 60.0
 """Seconds between two pictures sent to a page, at least."""
 HEARTBEAT = 20.0
+FAREWELL = 0.5
+"""Seconds a page gets to take the last messages when the viewer is closed."""
 _HUGE = 1e15
 
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
@@ -87,13 +89,17 @@ class _Browser:
         while not self.socket.closed:
             await self._wake.wait()
             self._wake.clear()
-            messages, self._messages = self._messages, []
-            latest, self._latest = self._latest, {}
-            for text in messages:
-                await self.socket.send_str(text)
-            for message in latest.values():
-                await self.socket.send_str(json.dumps(message))
+            await self.flush()
             await asyncio.sleep(PICTURE)
+
+    async def flush(self) -> None:
+        """Send what is queued now."""
+        messages, self._messages = self._messages, []
+        latest, self._latest = self._latest, {}
+        for text in messages:
+            await self.socket.send_str(text)
+        for message in latest.values():
+            await self.socket.send_str(json.dumps(message))
 
 
 class Viewer:
@@ -175,6 +181,8 @@ class Viewer:
             with contextlib.suppress(asyncio.CancelledError):
                 await self._source_task
         for browser in list(self._browsers):
+            with contextlib.suppress(ConnectionError, TimeoutError):
+                await asyncio.wait_for(browser.flush(), FAREWELL)
             await browser.socket.close(code=1001, message=b"the viewer was closed")
         if self._runner is not None:
             await self._runner.cleanup()

@@ -281,8 +281,11 @@ async def test_closing_frees_the_port_and_tells_the_pages(stage: Stage) -> None:
     page = await Page(viewer.url).open()
     assert page.last("hello") == {"type": "hello", "role": "player", "demonstrate": False}
     port = int(viewer.url.split(":")[2].split("/")[0])
+    viewer.episode(Episode(1, 0, 40, OUT))
+    viewer.notice("finished")
     await viewer.close()
     await until(lambda: page.socket.closed)  # type: ignore[union-attr]
+    assert page.last("episode") is not None and page.last("notice") == {"type": "notice", "text": "finished"}
     assert page.socket is not None and page.socket.close_code == 1001
     await page.close()
     again = await serve(Stage(), port=port, open_browser=False)

@@ -102,7 +102,9 @@ export class Pitch {
     this.drawTrail();
     if (holder) this.circle(holder.x, holder.y, this.setup.reach * this.scale, this.colours.reach);
     if (this.playing) this.drawPasses(players, now);
-    for (const player of players) this.drawPlayer(player, player === holder);
+    // Whoever has the ball is on top, then keepers.
+    const layer = (player) => (player === holder ? 2 : player.side === "l" ? 1 : 0);
+    for (const player of [...players].sort((a, b) => layer(a) - layer(b))) this.drawPlayer(player, player === holder);
     this.drawBall(ball);
     if (this.playing) this.drawKeys(players, now);
   }
