@@ -141,7 +141,8 @@ def predictor_figure(prediction: Prediction, unit: str = "s", panels: int = 3) -
         for side in ("top", "right"):
             panel.spines[side].set_visible(False)
     axes[0].set_ylabel(f"{prediction.outcome.capitalize()} ({unit})")
-    axes[-1].legend(frameon=False, fontsize="small", title="Teacher", loc="best")
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, frameon=False, fontsize="small", title="Teacher", loc="outside right upper")
     return figure
 
 
