@@ -352,7 +352,9 @@ def cycles_to_ball(agent: Record, params: Record, slot: int) -> int:
     if vx * vx + vy * vy < 0.01 * 0.01:
         return cycles_to_point(agent, params, slot, bx, by)
     _measure_reach(agent, params, slot, slot + 1)
-    cycles, needed, guessed = 0, NOT_IN_TIME, False
+    cycles, needed = 0, NOT_IN_TIME
+    # Out of reach in fewer cycles means that the search goes on, whatever the exact number is: "open" until asked for.
+    is_open, open_x, open_y = False, 0.0, 0.0
     x, y = 0.0, 0.0
     before_x, before_y = -1000.0, -1000.0
     while cycles <= needed and cycles < HORIZON and (x - before_x) ** 2 + (y - before_y) ** 2 > 1e-8:
@@ -361,7 +363,8 @@ def cycles_to_ball(agent: Record, params: Record, slot: int) -> int:
         x, y = ball_after(agent, params, cycles)
         dx, dy = agent["player_pos"][0, slot, 0] - x, agent["player_pos"][0, slot, 1] - y
         if math.sqrt(dx * dx + dy * dy) < params["player_speed_max"][0] * (cycles + 1):
-            # Out of reach in fewer cycles means: the search goes on, whatever the exact number is.
-            guessed = not _may_reach(agent, slot, x, y, cycles - 1)
-            needed = cycles if guessed else cycles_to_point(agent, params, slot, x, y)
-    return cycles_to_point(agent, params, slot, x, y) if guessed else needed
+            is_open, open_x, open_y = not _may_reach(agent, slot, x, y, cycles - 1), x, y
+            needed = cycles if is_open else cycles_to_point(agent, params, slot, x, y)
+        elif is_open:
+            is_open, needed = False, cycles_to_point(agent, params, slot, open_x, open_y)
+    return cycles_to_point(agent, params, slot, open_x, open_y) if is_open else needed
