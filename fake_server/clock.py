@@ -95,6 +95,8 @@ class SynchClock:
         """Let everybody think, wait, and carry out what they command."""
         server = self._server
         self._pause()
+        if server.kicked_off:  # players who heard play_on before a think would act in cycle 0, others would not
+            return
         thinkers = server.start_thinking()
         server.release()
         give_up = time.monotonic() + self._timing.patience

@@ -170,6 +170,8 @@ class KeepawayPlayer:
         elif event.text == "play_on":
             if not self.playing:
                 self._episode_started = True
+                self._has_see = False  # what was seen before the kick-off is of no use
+                self._heard["time"][0] = -1
                 self.first_cycle = event.time if not self.episodes else self.first_cycle
             self.playing, self.mode = True, "play_on"
         elif event.text is not None:

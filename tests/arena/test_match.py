@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,7 @@ def test_episodes_follow_each_other_without_a_gap() -> None:
     played = episodes(make())
     assert [e.number for e in played] == list(range(1, EPISODES + 1))
     assert played[0].start == 0
-    assert all(a.end == b.start for a, b in zip(played, played[1:], strict=False))
+    assert all(a.end == b.start for a, b in pairwise(played))
     assert all(e.cycles > 5 and e.reason in "ot" for e in played)
 
 

@@ -56,7 +56,7 @@ def test_kwy_round_trip(tmp_path: Path) -> None:
 def test_damaged_kwy_names_the_line(tmp_path: Path) -> None:
     path = tmp_path / "x.kwy"
     path.write_text("# Keepers: 3\n1\t0\t31\to\n")
-    with pytest.raises(ValueError, match="line 2: expected 'episode start end duration o|t'"):
+    with pytest.raises(ValueError, match=r"line 2: expected 'episode start end duration o\|t'"):
         read_kwy(path)
 
 

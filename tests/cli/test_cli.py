@@ -1,0 +1,136 @@
+"""The commands as a person types them: output, files, exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from rcss_hat.cli.main import COMMANDS, cli
+from rcss_hat.keepaway.report import read_kwy
+
+pytestmark = pytest.mark.compiled
+
+
+def invoke(*arguments: str) -> Result:
+    return CliRunner().invoke(cli, arguments)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_of_every_command_shows_an_example(name: str) -> None:
+    result = invoke(name, "--help")
+    assert result.exit_code == 0
+    assert "Example:" in result.output
+    assert f"rcss-hat {name}" in result.output
+
+
+def test_help_needs_no_compiler() -> None:
+    code = "import sys; from rcss_hat.cli.main import main; sys.argv = ['rcss-hat', '--help']\n"
+    code += "try:\n    main()\nexcept SystemExit:\n    pass\nprint('numba' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "False"
+    assert "demonstrate" in done.stdout
+
+
+def test_play_in_the_arena_prints_one_json_object(tmp_path: Path) -> None:
+    kwy = tmp_path / "match.kwy"
+    result = invoke(
+        "play", "--on", "arena", "--keepers", "hand", "--episodes", "5", "--seed", "3", "--kwy", str(kwy), "--json"
+    )
+    assert result.exit_code == 0, result.output
+    summary = json.loads(result.stdout)
+    assert {"episodes", "mean_s", "ci95_s", "out", "taken", "cycles", "wall_s", "cycles_per_s"} <= summary.keys()
+    assert summary["episodes"] == 5
+    assert summary["out"] + summary["taken"] == 5
+    assert [e.cycles for e in read_kwy(kwy)] == [e.cycles for e in read_kwy(kwy)]
+    assert len(read_kwy(kwy)) == 5
+
+
+def test_play_on_the_fake_server_is_the_same_game(tmp_path: Path) -> None:
+    files = [tmp_path / "arena.kwy", tmp_path / "fake.kwy"]
+    for stage, kwy in zip(("arena", "fake"), files, strict=True):
+        result = invoke(
+            "play", "--on", stage, "--keepers", "random", "--episodes", "4", "--seed", "9", "--kwy", str(kwy)
+        )
+        assert result.exit_code == 0, result.output
+        assert "4 episodes, mean" in result.output
+    assert files[0].read_text() == files[1].read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("play", "--size", "3x2"), "KEEPERSvTAKERS, for example 3v2"),
+        (("play", "--on", "nowhere"), "not HOST:PORT, for example localhost:6000"),
+        (("play", "--keepers", "clever"), "none of hold, random, hand"),
+        (("play", "--episodes", "0"), "0 is not in the range"),
+        (("demonstrate", "--out", "x.csv", "--speed", "5"), "servers play in real time"),
+        (("demonstrate", "--out", "x.csv", "--teacher", "A"), "use --on arena"),
+        (("demonstrate", "--out", "x.csv", "--browser", "--actions", "hold,pass7"), "there are hold, pass1, pass2"),
+        (("summarize",), "Missing argument"),
+    ],
+)
+def test_wrong_usage_says_what_would_be_right(arguments: tuple[str, ...], message: str) -> None:
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+    assert "Traceback" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("play", "--on", "real", "--executable", "/no/such/rcssserver"), "--executable PATH, or --on fake"),
+        (("summarize", "no-such.csv"), "no-such"),
+        (("server", "--real", "--executable", "/no/such/rcssserver"), "or --fake"),
+    ],
+)
+def test_failures_are_one_line_and_exit_code_1(arguments: tuple[str, ...], message: str) -> None:
+    result = invoke(*arguments)
+    assert result.exit_code == 1
+    assert message in result.output
+    assert "Traceback" not in result.output
+
+
+def test_from_demonstration_to_a_playing_decision_list(tmp_path: Path) -> None:
+    demo, rules = tmp_path / "demo.csv", tmp_path / "rules.json"
+    result = invoke(
+        "demonstrate", "--on", "fake", "--teacher", "hand", "--episodes", "6", "--seed", "1", "--out", str(demo)
+    )
+    assert result.exit_code == 0, result.output
+    again = tmp_path / "again.csv"
+    assert invoke("demonstrate", "--on", "arena", "--episodes", "6", "--seed", "1", "--out", str(again)).exit_code == 0
+    assert demo.read_text() == again.read_text()
+    result = invoke("summarize", str(demo), "--out", str(rules), "--describe")
+    assert result.exit_code == 0, result.output
+    assert "-> Action = " in result.output
+    assert "cross-validation" in result.output
+    result = invoke("play", "--on", "arena", "--keepers", str(rules), "--episodes", "3", "--seed", "2")
+    assert result.exit_code == 0, result.output
+    assert "3 episodes" in result.output
+
+
+def test_a_demonstration_is_not_overwritten_but_resumed(tmp_path: Path) -> None:
+    demo = str(tmp_path / "demo.csv")
+    arguments = ("demonstrate", "--on", "arena", "--teacher", "A", "--seed", "1", "--out", demo)
+    assert invoke(*arguments, "--episodes", "2").exit_code == 0
+    refused = invoke(*arguments, "--episodes", "4")
+    assert refused.exit_code == 1
+    assert "exists already" in refused.output
+    resumed = invoke(*arguments, "--episodes", "4", "--resume", "--json")
+    assert resumed.exit_code == 0, resumed.output
+    assert json.loads(resumed.stdout)["episodes"] == 4
+
+
+def test_a_list_for_another_size_is_refused(tmp_path: Path) -> None:
+    from rcss_hat.hat.decision_list import PAPER_RULES
+
+    rules = tmp_path / "rules.json"
+    PAPER_RULES.save(rules)
+    result = invoke("play", "--on", "arena", "--size", "4v3", "--keepers", str(rules))
+    assert result.exit_code == 2
+    assert "for 3v2; the task is 4v3" in result.output
