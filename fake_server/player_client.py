@@ -162,6 +162,8 @@ class PlayerClient:
                 answer(self, command)
             if kind not in _CHANGE_NOTHING:
                 self._pending.append(command)
+            if kind is said.Bye:
+                return
         if not complete:
             self.send("(error illegal_command_form)")
             if not self.server.options.quiet:

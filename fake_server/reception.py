@@ -169,7 +169,9 @@ class Reception:
             return
         if not isinstance(command, said.TrainerInit) or not server.game.knows_version(command.version):
             raise JoinError(_ILLEGAL_VERSION)
-        server.add_trainer(TrainerClient(server, self._connect(address), int(command.version)))
+        trainer = TrainerClient(server, self._connect(address), int(command.version))
+        server.add_trainer(trainer)
+        trainer.welcome()
         server.say(f"A new (v{int(command.version)}) offline coach connected")
         if server.logs.wants_messages:
             server.logs.received(server.game.match, "Coach", data.split(b"\0", 1)[0].decode("latin-1"))

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from fake_server import text
+from fake_server import binary, text
 from fake_server.digits import ascii_bytes
 from fake_server.game import Game
 from fake_server.options import ServerOptions
 from fake_server.show import MAX_SHOW, monitor_head, write_show
 from fake_server.simulation import body, clock, commands, hearing, vision
-from fake_server.simulation.state import MAX_MESSAGES, N_PLAYERS, PHYSICS
+from fake_server.simulation.state import MAX_MESSAGES, N_PLAYERS, PHYSICS, PLAY_ON
 from rcss_hat.numeric.jit import is_cached
 from rcss_hat.protocol.landmarks import N_LANDMARKS
 from rcss_hat.protocol.params import ServerParams
@@ -43,7 +43,21 @@ def warm_up(quiet: bool = False) -> None:
         _perceive(game, players)
         _command(game, players[0])
         _command(game, players[1])
+    _referee(game, players[1])
     game.leave(players[0])
+
+
+def _referee(game: Game, i: int) -> None:
+    """Do what trainers and monitors may do."""
+    game.call_foul(0, 0.0, 0.0)
+    game.call_foul(1, 0.0, 0.0)
+    game.change_mode(PLAY_ON)
+    game.move_ball(0.0, 0.0, (0.0, 0.0))
+    game.move_player(i, 1.0, 1.0, 0.0, (0.0, 0.0))
+    game.recover()
+    game.substitute(i, 0)
+    text.arm_target(game.match, i)
+    binary.show_2(game.match, game.kernel, game.teams)
 
 
 def _perceive(game: Game, players: list[int]) -> None:
