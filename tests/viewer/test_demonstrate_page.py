@@ -352,6 +352,7 @@ PLAY = """() => {
 }"""
 
 
+@pytest.mark.slow
 async def test_a_demonstration_recorded_through_the_page_trains_hat(tmp_path: Path, open_page: OpenPage) -> None:
     """Demonstration, decision list, transfer."""
     from rcss_hat.experiments.training import RunConfig, TrainingRun
