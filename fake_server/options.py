@@ -16,6 +16,7 @@ from fake_server.player_param import BY_NAME as PLAYER_BY_NAME
 from fake_server.player_param import PlayerParams
 from rcss_hat.protocol.params import BY_NAME as SERVER_BY_NAME
 from rcss_hat.protocol.params import KIND_NAMES, PROFILES, Parameter, ServerParams, Value, checked
+from rcss_hat.protocol.records import SAY_SIZE
 
 PROGRAM = "fake-rcssserver"
 USAGE = f"""\
@@ -45,6 +46,22 @@ _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "off": False, "on": True, "no": False, "yes": True}
 _TAKES_VALUE = ("--seed", "--profile", "--bind", "--episodes")
 _FLAGS = ("--quiet", "--help")
+
+
+_LIMITS: dict[str, tuple[int, int, str]] = {
+    "port": (0, 65535, "a port"),
+    "coach_port": (0, 65535, "a port"),
+    "olcoach_port": (0, 65535, "a port"),
+    "say_msg_size": (0, SAY_SIZE, "a number of characters"),
+    "game_log_version": (1, 6, "a version"),
+    "game_log_compression": (0, 9, "a level"),
+    "text_log_compression": (0, 9, "a level"),
+    "simulator_step": (10, 10000, "milliseconds"),
+    "send_step": (10, 10000, "milliseconds"),
+    "sense_body_step": (10, 10000, "milliseconds"),
+    "player_types": (1, 255, "a number"),
+}
+"""Parameters whose values are bounded here: lowest, highest, what they are."""
 
 
 class UsageError(Exception):
@@ -169,8 +186,11 @@ def _assign(options: ServerOptions, assignment: str) -> None:
         value = parse_value(table[name], text)
     except TypeError as error:
         raise UsageError(f"{space}::{error}") from None
-    if name.endswith("port") and not 0 <= int(value) < 65536:
-        raise UsageError(f"{space}::{name} takes a port, 0 to 65535, not {text}")
+    if name in _LIMITS and not isinstance(value, str):
+        low, high, meaning = _LIMITS[name]
+        if not low <= value <= high:
+            bound = f"at least {low}" if value < low else f"at most {high}"
+            raise UsageError(f"{space}::{name} takes {meaning}, {low} to {high}: {bound}, not {text}")
     target(name, value)
 
 

@@ -1,0 +1,216 @@
+"""Every recorded message that the server writes is written again, byte for byte."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from recorded_state import (
+    Message,
+    focus_of_sense_body,
+    index_of,
+    match_of_fullstate,
+    received,
+    version_of,
+)
+
+from fake_server import text
+from fake_server.digits import ascii_bytes, put_hex, put_int, put_number
+from fake_server.options import parse_value
+from fake_server.param_text import EVERYTHING, all_params, json_params, player_param, player_type, server_param
+from fake_server.player_param import BY_NAME as PLAYER_PARAMETERS
+from fake_server.player_param import PlayerParams
+from fake_server.simulation.player_types import player_types
+from fake_server.simulation.state import MATCH
+from rcss_hat.protocol.params import BY_NAME as SERVER_PARAMETERS
+from rcss_hat.protocol.params import ServerParams
+from rcss_hat.protocol.records import SEE, SENSE_BODY, empty
+from rcss_hat.protocol.see import parse_see
+from rcss_hat.protocol.sense_body import parse_sense_body
+
+BUFFER = np.zeros(text.MAX_MESSAGE, dtype=np.uint8)
+
+
+def written(size: int) -> str:
+    return BUFFER[:size].tobytes().decode("ascii")
+
+
+# --- numbers ---------------------------------------------------------------------------------------------------------
+@given(st.floats())
+@example(0.0)
+@example(-0.0)
+@example(999999.5)
+@example(99999.95)
+@example(0.00009999995)
+@example(123456.5)
+@example(123457.5)
+@example(5e-324)
+@example(1.7976931348623157e308)
+@example(0.1 + 0.2)
+def test_numbers_have_six_significant_digits(value: float) -> None:
+    assert written(put_number(BUFFER, 0, value)) == f"{value:g}"
+
+
+@given(st.integers(100_000, 999_999), st.integers(-12, 12), st.sampled_from([-1, 0, 1]))
+def test_ties_of_the_seventh_digit_round_as_printf_does(digits: int, exponent: int, beside: int) -> None:
+    value = float(f"{digits}.5e{exponent}")
+    value = np.nextafter(value, beside * np.inf) if beside else value
+    assert written(put_number(BUFFER, 0, float(value))) == f"{value:g}"
+
+
+@given(st.integers(-(2**62), 2**62))
+def test_integers(number: int) -> None:
+    assert written(put_int(BUFFER, 0, number)) == str(number)
+
+
+@given(st.integers(0, 2**40))
+def test_hexadecimal_numbers(number: int) -> None:
+    assert written(put_hex(BUFFER, 0, number)) == (hex(number) if number else "0")
+
+
+# --- see, sense_body, fullstate --------------------------------------------------------------------------------------
+def _other_team(message: Message) -> str:
+    names = set(re.findall(r'\(p "([^"]+)"', message.text)) - {message.team}
+    assert len(names) <= 1
+    return names.pop() if names else "nobody"
+
+
+def test_see_is_written_as_it_was_read() -> None:
+    see = empty(SEE)
+    messages = received("(see ")
+    assert len(messages) > 300
+    for message in messages:
+        parse_see(message.text.encode(), message.team.encode(), see)
+        names, sizes = text.team_names(message.team, _other_team(message))
+        assert written(text.write_see(see, names, sizes, BUFFER)) == message.text
+
+
+def test_sense_body_is_written_as_it_was_read_in_every_version() -> None:
+    sense = empty(SENSE_BODY)
+    match = np.zeros(1, dtype=MATCH)
+    versions = set()
+    for message in received("(sense_body "):
+        if "(card yellow)" in message.text or ("(charged 0)" not in message.text and "(foul" in message.text):
+            continue
+        parse_sense_body(message.text.encode(), sense)
+        match["version"][0, 0] = version_of(message)
+        focus_of_sense_body(message.text, match, 0)
+        assert written(text.write_sense_body(sense, match, 0, BUFFER)) == message.text
+        versions.add(version_of(message))
+    assert versions >= {8, 11, 12, 13, 14, 18, 19}
+
+
+def test_fullstate_is_written_as_it_was_read_in_every_version() -> None:
+    versions = set()
+    for message in received("(fullstate "):
+        i = index_of(message)
+        version = version_of(message)
+        match = match_of_fullstate(message.text, i, version)
+        mode = re.search(r"\(pmode (\w+)\)", message.text)[1]
+        expires = int(re.search(r"\(expires (\d+)\)", message.text)[1])
+        target = re.search(r"\(target [^)]*\)", message.text)[0]
+        if not (version >= 14 or match["goalie"][0].sum() == 0 or (match["type"][0] == 0).all()):
+            continue
+        match["arm_expires"][0, i] = expires
+        result = written(text.write_fullstate(match, i, ascii_bytes(mode), BUFFER))
+        # the arm's numbers were computed from unrounded angles: compared apart
+        assert _without_arms(result) == _without_arms(message.text)
+        _assert_arms_close(result, message.text, target)
+        versions.add(version)
+    assert versions >= {8, 11, 13, 14, 18, 19}
+
+
+_ARM = re.compile(r"(\(\(p [lr] \d+(?: g)?(?: \d+)?\)(?: [-\d.e]+){6})((?: [-\d.e]+){2})?(?= \()")
+
+
+def _without_arms(message: str) -> str:
+    return re.sub(r"\(target [^)]*\)", "", _ARM.sub(r"\1", message))
+
+
+def _assert_arms_close(result: str, expected: str, target: str) -> None:
+    for found, wanted in zip(_ARM.finditer(result), _ARM.finditer(expected), strict=True):
+        if wanted[2] is None:
+            assert found[2] is None
+            continue
+        got, want = ([float(v) for v in group.split()] for group in (found[2], wanted[2]))
+        assert got[0] == pytest.approx(want[0], rel=1e-4, abs=1e-4)
+        assert abs((got[1] - want[1] + np.pi) % (2 * np.pi) - np.pi) < 1e-3
+    got = [float(v) for v in re.search(r"\(target (\S+) (\S+)\)", result).groups()]
+    want = [float(v) for v in re.search(r"\(target (\S+) (\S+)\)", target).groups()]
+    assert got[0] == pytest.approx(want[0], rel=1e-4, abs=1e-4)
+    assert abs((got[1] - want[1] + 180) % 360 - 180) <= 1
+
+
+# --- parameters ------------------------------------------------------------------------------------------------------
+def _told(name: str, client: str) -> str:
+    return next(m.text for m in received(f"({name} ") if m.client == client)
+
+
+@pytest.mark.parametrize("version", [8, 11, 13, 14, 18, 19, EVERYTHING])
+def test_parameters_are_told_as_recorded(version: int) -> None:
+    client = "monitor_v4" if version == EVERYTHING else f"k_v{version}"
+    messages = {m.text.split(" ")[0]: m.text for m in received("(") if m.file == "versions" and m.client == client}
+    params, player_params = ServerParams(), PlayerParams()
+    for name, value in re.findall(r"\((\w+) ([^()]*)\)", messages["(server_param"]):
+        params.set(name, parse_value(SERVER_PARAMETERS[name], value))
+    for name, value in re.findall(r"\((\w+) ([^()]*)\)", messages["(player_param"]):
+        player_params.set(name, parse_value(PLAYER_PARAMETERS[name], value))
+    assert server_param(params, version) == messages["(server_param"]
+    assert player_param(player_params, version) == messages["(player_param"]
+    types = player_types(params, int(player_params["random_seed"]), player_params.numbers())
+    number = int(re.search(r"\(id (\d+)\)", messages["(player_type"])[1])
+    assert player_type(types, number, version) == messages["(player_type"]
+
+
+def test_json_tells_the_same_parameters() -> None:
+    params, player_params = ServerParams(), PlayerParams()
+    types = player_types(params, 1, player_params.numbers())
+    texts, objects = all_params(params, player_params, types, EVERYTHING), json_params(params, player_params, types)
+    assert len(texts) == len(objects) == 20
+    for told, same in zip(texts, objects, strict=True):
+        assert re.match(r"\((\w+)", told)[1] == re.match(r'\{"(\w+)"', same)[1]
+        assert len(re.findall(r"\(\w+ [^()]*\)", told)) == same.count('":') - 1
+
+
+# --- short messages --------------------------------------------------------------------------------------------------
+def _heard_again(message: str) -> str | None:
+    """Take a hear message apart and write it again; None for those of other writers."""
+    if found := re.fullmatch(r"\(hear (\d+) referee (.*)\)", message):
+        return text.hear_referee(int(found[1]), found[2])
+    if found := re.fullmatch(r'\(hear (\d+) (self|coach) "(.*)"\)', message):
+        write = text.hear_self if found[2] == "self" else text.hear_coach
+        return write(int(found[1]), found[3])
+    if found := re.fullmatch(r'\(hear (\d+) (-?\d+) our (\d+) "(.*)"\)', message):
+        return text.hear_team_mate(int(found[1]), int(found[2]), int(found[3]), found[4])
+    if found := re.fullmatch(r'\(hear (\d+) (-?\d+) opp "(.*)"\)', message):
+        return text.hear_opponent(int(found[1]), int(found[2]), found[3])
+    if found := re.fullmatch(r"\(hear (\d+) (?:our (\d+)|opp)\)", message):
+        return text.hear_partly(int(found[1]), int(found[2] or 0))
+    return None
+
+
+def test_hear_is_written_as_it_was_read() -> None:
+    kinds = set()
+    for message in received("(hear "):
+        if message.client != "trainer":
+            assert _heard_again(message.text) == message.text
+            kinds.add(re.sub(r'-?\d+|".*"|referee .*', "", message.text))
+    assert len(kinds) == 7
+
+
+def test_other_replies_are_written_as_they_were_read() -> None:
+    count = 0
+    for start, write in (
+        ("(init [lr] \\d", lambda v: text.init_reply(v[0], int(v[1]), v[2])),
+        ("(reconnect", lambda v: text.reconnect_reply(v[0], v[1])),
+        ("(score", lambda v: text.score_reply(*map(int, v))),
+        ("(change_player_type", lambda v: text.change_player_type(int(v[0]), int(v[1]) if len(v) > 1 else None)),
+    ):
+        for message in received("("):
+            if re.match(start.replace("(", r"\("), message.text) and message.client != "trainer":
+                assert write(message.text[1:-1].split()[1:]) == message.text
+                count += 1
+    assert count > 30
