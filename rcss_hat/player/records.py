@@ -129,7 +129,6 @@ AGENT = np.dtype(
         ("final_reward", "f8"),
         ("taken_guess", "u1"),  # an episode that ended now would have been "taken"
     ],
-    align=True,
 )
 """One player, shape ``(1,)``."""
 
