@@ -61,10 +61,12 @@ def log(speed: float = 1.0) -> Playback:
 async def test_real_time_is_ten_frames_a_second() -> None:
     async with shown(log()) as audience:
         loop = asyncio.get_running_loop()
-        begun, first = loop.time(), len(audience.frames)
-        await until(lambda: len(audience.frames) >= first + 5)
-        assert 0.4 < loop.time() - begun < 0.8
-        assert [f["time"] for f in audience.frames[:5]] == [1, 2, 3, 4, 5]
+        begun, first = loop.time(), audience.frames[-1]["time"]
+        await until(lambda: audience.frames[-1]["time"] >= first + 10)
+        # A busy machine may leave frames out, but it keeps the pace.
+        assert 0.85 < loop.time() - begun < 1.5
+        times = [f["time"] for f in audience.frames]
+        assert times == sorted(set(times)) and times[0] == 1
         assert audience.setups[0][1] is False
 
 
