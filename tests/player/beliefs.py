@@ -145,4 +145,4 @@ class Sight:
 
 def rounded(distance: float, step: float) -> float:
     """Distance as the server tells it."""
-    return round(math.exp(round(math.log(distance) / step) * step), 1)
+    return round(math.exp(round(math.log(distance + 1e-10) / step) * step), 1)
