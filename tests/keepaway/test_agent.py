@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "player"))
-from beliefs import NOW, PARAMS, Sight, ball, know, parameters, player
+from player.beliefs import NOW, PARAMS, Sight, ball, know, parameters, player
 
 from rcss_hat.keepaway import agent as kernels
 from rcss_hat.keepaway.agent import FIRST, FOLLOW_THROUGH, NO_DECISION, STEP, UNKNOWN

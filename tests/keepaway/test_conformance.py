@@ -10,14 +10,11 @@ from __future__ import annotations
 import gzip
 import json
 import re
-import sys
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "player"))
-from beliefs import PARAMS
+from player.beliefs import PARAMS
 
 from rcss_hat.keepaway import agent as kernels
 from rcss_hat.keepaway.policies import hand

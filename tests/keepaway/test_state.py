@@ -5,15 +5,12 @@ from __future__ import annotations
 import csv
 import gzip
 import math
-import sys
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "player"))
-from beliefs import NOW, ball, know, player
+from player.beliefs import NOW, ball, know, player
 
 from rcss_hat.keepaway.policies import hand, hold, random_action
 from rcss_hat.keepaway.state import n_state_variables, state_names, state_ranges, state_variables

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from beliefs import NOW, PARAMS, ball, know, player
+from player.beliefs import NOW, PARAMS, ball, know, player
 
 from rcss_hat.player.bodily import feel
 from rcss_hat.player.records import OPPONENTS

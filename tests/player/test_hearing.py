@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from beliefs import NOW, PARAMS, ball, know, player
+from player.beliefs import NOW, PARAMS, ball, know, player
 
 from rcss_hat.player import hearing
 from rcss_hat.player.records import NEVER, OPPONENTS

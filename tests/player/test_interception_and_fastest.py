@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from beliefs import NOW, PARAMS, ball, know, player, scattered
+from player.beliefs import NOW, PARAMS, ball, know, player, scattered
 
 from rcss_hat.player import fastest, interception, motion
 from rcss_hat.player.objects import is_known

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from beliefs import PARAMS, ball, know, parameters, player
+from player.beliefs import PARAMS, ball, know, parameters, player
 
 from rcss_hat.player import kicking
 from rcss_hat.player.records import OPPONENTS

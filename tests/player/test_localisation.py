@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from beliefs import NOW, Sight, parameters, player
+from player.beliefs import NOW, Sight, parameters, player
 
 from rcss_hat.player.localisation import FULL_VIEW_LANDMARKS, landmarks_wanted, locate
 from rcss_hat.player.sight import watch

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from beliefs import PARAMS, ball, player
+from player.beliefs import PARAMS, ball, player
 
 from rcss_hat.player import geometry, motion
 from rcss_hat.player.moving import move_to, search_ball, turn_neck_to

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from beliefs import NOW, PARAMS, Sight, ball, know, parameters, player
+from player.beliefs import NOW, PARAMS, Sight, ball, know, parameters, player
 
 from rcss_hat.player.objects import ball_is_known, is_known
 from rcss_hat.player.records import NEVER, OPPONENTS
