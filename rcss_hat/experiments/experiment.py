@@ -184,8 +184,9 @@ class Experiment:
         first = [name for name in missing if name in pools]
         rest = [name for name in missing if name not in pools]
         ready = len(names) - len(missing)
-        for part in (first, rest):
-            found = Parallel(n_jobs=processes, return_as="generator_unordered")(
+        # The first one is made in this process, so that the others find the compiled kernels in the cache.
+        for part in ([*first, *rest][:1], first[1:], rest if first else rest[1:]):
+            found = Parallel(n_jobs=processes if len(part) > 1 else 1, return_as="generator_unordered")(
                 delayed(_prepare)(self.study, self.sets.folder, name) for name in part
             )
             for _ in found:
