@@ -205,6 +205,18 @@ class PlayerClient:
         if command.team is not None and team_of(self.game, self.i, command.team) is None:
             self.send(f"(error no team with name {command.team})")
 
+    def answer_move(self, command: said.Move) -> None:
+        """Warn of a place that is not allowed, or of one move too many, if the command will be accepted."""
+        game, match = self.game, self._with_pending()
+        if match["command_done"][0, self.i]:
+            return
+        if game.mode == BEFORE_KICK_OFF:
+            beyond = command.x >= -match["size"][0, self.i] and game.params["forbid_kick_off_offside"]
+            if beyond and game.params.profile != "11.1":
+                self.send("(warning moving_to_opponent_field)")
+        elif int(match["catcher"][0]) == self.i and too_many_moves(match, game.kernel, self.i):
+            self.send("(error too_many_moves)")
+
     def _with_pending(self) -> np.ndarray:
         """Return the match as it will be when the own commands so far have been carried out."""
         if not self._pending:
@@ -222,22 +234,9 @@ class PlayerClient:
             if kind is said.Bye:
                 self.server.player_left(self)
                 return
-            if kind is said.Move:
-                self._warn_of(command)
             accepted = apply(self.game, self.game.match, self.game.streams[PHYSICS], self.i, command)
             if accepted and kind is said.Say:
                 self.server.player_spoke(self.i, command.message)
-
-    def _warn_of(self, command: said.Move) -> None:
-        game, match = self.game, self.game.match
-        if match["command_done"][0, self.i]:
-            return
-        if game.mode == BEFORE_KICK_OFF:
-            beyond = command.x >= -match["size"][0, self.i] and game.params["forbid_kick_off_offside"]
-            if beyond and game.params.profile != "11.1":
-                self.send("(warning moving_to_opponent_field)")
-        elif int(match["catcher"][0]) == self.i and too_many_moves(match, game.kernel, self.i):
-            self.send("(error too_many_moves)")
 
 
 _ANSWERS: dict[type, Callable[[PlayerClient, Any], None]] = {
@@ -250,5 +249,6 @@ _ANSWERS: dict[type, Callable[[PlayerClient, Any], None]] = {
     said.Clang: PlayerClient.answer_clang,
     said.Compression: PlayerClient.answer_compression,
     said.Ear: PlayerClient.answer_ear,
+    said.Move: PlayerClient.answer_move,
 }
 """What commands are answered with at once."""

@@ -143,6 +143,7 @@ class Server:
         """Give the logs their names and close all sockets; does nothing the second time."""
         if self._reception is None:
             return
+        self.release()
         self.say(f"\n{self._farewell}")
         self.logs.close(self.game.match, self.game.teams)
         self._close_sockets()
