@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from rcss_hat.numeric.angles import DEG, RAD, normalize_degrees
+from rcss_hat.numeric.angles import DEG, RAD
 from rcss_hat.numeric.jit import inlined, kernel
 
 _WHOLE = np.arange(-360, 361) * DEG
@@ -37,12 +37,6 @@ def direction_to(dx: float, dy: float) -> float:
     if abs(dx) < 1e-4 and abs(dy) < 1e-4:
         return 0.0
     return math.atan2(dy, dx) * RAD
-
-
-@kernel
-def turn_between(start: float, end: float) -> float:
-    """Angle from one direction to another, degrees in (-180, 180]."""
-    return normalize_degrees(end - start)
 
 
 @kernel
