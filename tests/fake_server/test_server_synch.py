@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import re
 import threading
+import time
 from itertools import chain
 from pathlib import Path
 
@@ -188,15 +189,18 @@ def test_one_answer_in_time_forgives_misses() -> None:
         assert clients.server.running
 
 
-def test_a_client_that_dies_during_the_wait_is_not_waited_for() -> None:
-    with serving(keepaway(), Timing(patience=60.0, pause=0.0)) as clients:
+def test_a_client_that_dies_costs_one_wait() -> None:
+    with serving(keepaway(), Timing(patience=0.5, pause=0.0)) as clients:
         stays, dies = clients.player(), clients.player()
         stays.send("(done)")
         dies.until(r"\(think\)")
-        dies.close()
-        for _ in range(4):
+        dies.close()  # nobody notices before something is sent to it
+        started = time.monotonic()
+        for _ in range(12):
             stays.until(r"\(think\)")
             stays.send("(done)")
+        assert time.monotonic() - started < 3.0
+        assert clients.server.players[1] is None
 
 
 def test_goodbye_counts_as_done() -> None:
