@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -116,8 +117,12 @@ def main() -> None:
     print("\n4. Learning in the arena, alone and with the list: 4 trials of 6 simulated hours each")
     study = OUT / "study.toml"
     study.write_text(STUDY)
-    run("experiment", str(study), "--out", str(OUT / "experiment"), "--jobs", "2")
-    print(f"\nEpisode durations: {picture}\nLearning curves and tables: {OUT / 'experiment'}")
+    experiment = OUT / "experiment"
+    shutil.rmtree(experiment, ignore_errors=True)
+    run("experiment", str(study), "--out", str(experiment), "--jobs", "2")
+    lines = (experiment / "report" / "report.md").read_text().splitlines()
+    print("\n" + "\n".join(line for line in lines[:20] if line.startswith("|")))
+    print(f"\nEpisode durations: {picture}\nLearning curves and tables: {experiment}/report")
     print(f"{time.monotonic() - begun:.0f} s in all")
 
 
