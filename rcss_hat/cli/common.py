@@ -67,6 +67,14 @@ def stage_text(stage: str | tuple[str, int]) -> str:
     return stage if isinstance(stage, str) else f"{stage[0]}:{stage[1]}"
 
 
+def tell_of_compilation(module: str) -> None:
+    """Say on stderr what takes so long when the kernels of a module were never compiled here."""
+    from rcss_hat.numeric.jit import is_cached
+
+    if not is_cached(module):
+        click.echo("Compiling the players and the simulation (once per installation, one to two minutes) ...", err=True)
+
+
 def fail(message: str, code: int = 1) -> None:
     """Say what went wrong on stderr and exit."""
     click.echo(f"Error: {message}", err=True)

@@ -14,7 +14,18 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, fail, plain_errors, progress_bar, stage_text, task_options
+from rcss_hat.cli.common import (
+    ARENA,
+    FAKE,
+    REAL,
+    Stage,
+    fail,
+    plain_errors,
+    progress_bar,
+    stage_text,
+    task_options,
+    tell_of_compilation,
+)
 from rcss_hat.cli.person import demonstrate_by_hand, parse_actions
 from rcss_hat.cli.stages import own_server
 from rcss_hat.keepaway.report import Episode, RunReport
@@ -163,6 +174,7 @@ def _in_arena(
 ) -> None:
     from rcss_hat.arena.match import ArenaMatch
 
+    tell_of_compilation("rcss_hat.arena.loop")
     match = ArenaMatch(task, seed, policy, log_decisions=True)
     pending: list[Any] = []
     for finished in match.advance(episodes=episodes):
@@ -190,6 +202,7 @@ def _over_udp(
     from rcss_hat.team.demonstration import DemonstrationRecorder
     from rcss_hat.team.match import play
 
+    tell_of_compilation("rcss_hat.keepaway.agent")
     policy.warm_up()
     server = own_server(task, seed, stage, executable)
     address = stage if isinstance(stage, tuple) else None

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rcss_hat.cli.common import ARENA, REAL
+from rcss_hat.cli.common import ARENA, REAL, tell_of_compilation
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
@@ -51,6 +51,7 @@ def play_on_stage(
     if stage == ARENA:
         from rcss_hat.arena.match import play as play_in_arena
 
+        tell_of_compilation("rcss_hat.arena.loop")
         play_in_arena(report, task, seed, policy, episodes, progress)
         return
 
@@ -83,6 +84,7 @@ def play_over_udp(
     """
     from rcss_hat.team.match import play
 
+    tell_of_compilation("rcss_hat.keepaway.agent")
     policy.warm_up()
     server = own_server(task, seed, stage, executable)
     enough = False
