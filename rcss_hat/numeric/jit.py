@@ -115,7 +115,8 @@ def is_cached(module: str) -> bool:
     settings: Any = config
     if settings.DISABLE_JIT or settings.CACHE_DIR:
         return True
-    return (cache_root() / f"{module}-{fingerprint(module)}").is_dir()
+    folder = cache_root() / f"{module}-{fingerprint(module)}"  # made at import; compiled kernels have an index in it
+    return next(folder.rglob("*.nbi"), None) is not None
 
 
 def njit(function: F) -> F:

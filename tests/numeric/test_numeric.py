@@ -82,3 +82,17 @@ def test_quick_atan2_is_exact_on_axes_and_diagonals() -> None:
     for y, x in ((0, 3), (3, 0), (0, -3), (-3, 0), (2, 2), (2, -2), (-2, -2), (-2, 2)):
         assert angles.quick_atan2(float(y), float(x)) == math.atan2(y, x)
     assert angles.quick_atan2(0.0, 0.0) == 0.0
+
+
+def test_a_module_that_was_never_compiled_is_not_cached(monkeypatch, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    monkeypatch.setattr(jit, "cache_root", lambda: tmp_path)
+    settings = jit.config
+    if settings.DISABLE_JIT or settings.CACHE_DIR:
+        assert jit.is_cached("rcss_hat.numeric.wire")
+        return
+    assert not jit.is_cached("rcss_hat.numeric.wire")
+    folder = tmp_path / f"rcss_hat.numeric.wire-{jit.fingerprint('rcss_hat.numeric.wire')}"
+    folder.mkdir()
+    assert not jit.is_cached("rcss_hat.numeric.wire")
+    (folder / "x.nbi").touch()
+    assert jit.is_cached("rcss_hat.numeric.wire")
