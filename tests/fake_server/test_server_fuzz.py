@@ -8,13 +8,13 @@ from hypothesis import strategies as st
 from server_clients import Client, Clients, options, serving
 
 WORDS = (
-    "(init", "(reconnect", "(dispinit", "version", "(turn", "(dash", "(kick", "(say", "(move", "(ear", "(change_view",
-    "(compression 3)", "(attentionto", "(pointto", "(tackle", "(catch", "(clang", "(done)", "(score)", "(sense_body)",
-    "(bye)", "(synch_see)", "(change_focus", "(dispstart)", "(dispfoul", "(dispplayer", "(dispdiscard", "(start)",
-    "(change_mode", "(player", "(ball)", "(look)", "(eye", "on", "off", "(recover)", "(check_ball)", "play_on",
-    "goal_l", "free_kick_l", "time_over", "before_kick_off", "(change_player_type", "(team_names)", "keepers", "our", "opp",
-    "l", "r", "1", "11", "12", "-1", "0", "1e400", "-1e308", "nan", "0.5", '"', "(", ")", " ", "\0", "\n", "\xff", "narrow",
-    "high", "low", "wide",
+    "(init", "(reconnect", "(dispinit", "version", "(turn", "(dash", "(kick", "(say", "(move", "(ear",
+    "(change_view", "(compression 3)", "(attentionto", "(pointto", "(tackle", "(catch", "(clang", "(done)",
+    "(score)", "(sense_body)", "(bye)", "(synch_see)", "(change_focus", "(dispstart)", "(dispfoul",
+    "(dispplayer", "(dispdiscard", "(start)", "(change_mode", "(player", "(ball)", "(look)", "(eye", "on",
+    "off", "(recover)", "(check_ball)", "play_on", "goal_l", "free_kick_l", "time_over", "before_kick_off",
+    "(change_player_type", "(team_names)", "keepers", "our", "opp", "l", "r", "1", "11", "12", "-1", "0",
+    "1e400", "-1e308", "nan", "0.5", '"', "(", ")", " ", "\x00", "\n", "ÿ", "narrow", "high", "low", "wide",
 )  # fmt: skip
 texts = st.lists(st.sampled_from(WORDS), max_size=12).map(lambda words: " ".join(words).encode("latin-1"))
 datagrams = st.one_of(st.binary(max_size=300), texts, texts.map(lambda text: text + b"\0"))

@@ -67,7 +67,8 @@ def test_messages_wait_for_the_answer(tmp_path: Path) -> None:
     path.write_text(
         lines(
             ("a", "send", "(init x (version 11))"), ("a", "recv", "(init l 1 before_kick_off)"),
-            ("a", "recv", "(think)"), ("a", "send", "(turn 5)"), ("a", "send", "(done)"), ("a", "recv", "(sense_body 1)"),
+            ("a", "recv", "(think)"), ("a", "send", "(turn 5)"), ("a", "send", "(done)"),
+            ("a", "recv", "(sense_body 1)"),
         )
     )  # fmt: skip
     with replaying(path) as replay:
