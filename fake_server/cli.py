@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from fake_server.options import PROGRAM, USAGE, HelpRequested, UsageError, parse_options
+from fake_server.options import PROGRAM, USAGE, HelpRequested, UsageError, parse_options, without_effect
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -36,6 +36,9 @@ def _serve(arguments: Sequence[str]) -> int:
     from fake_server.server import Server, stop_on_signals
     from fake_server.warm_up import warm_up
 
+    if not options.quiet:
+        for name in without_effect(options):
+            print(f"{PROGRAM}: {name} has no effect here", file=sys.stderr)
     warm_up(options.quiet)
     server = Server(options)
     stop_on_signals(server)

@@ -63,6 +63,24 @@ _LIMITS: dict[str, tuple[int, int, str]] = {
 }
 """Parameters whose values are bounded here: lowest, highest, what they are."""
 
+_WITHOUT_EFFECT = frozenset({
+    "back_passes", "ball_weight", "ckick_margin", "clang_advice_win", "clang_define_win", "clang_del_win",
+    "clang_info_win", "clang_mess_delay", "clang_mess_per_cycle", "clang_meta_win", "clang_rule_win",
+    "clang_win_size", "coach_msg_file", "control_radius", "foul_cycles", "foul_detect_probability",
+    "free_kick_faults", "freeform_send_period", "freeform_wait_period", "illegal_defense_dist_x",
+    "illegal_defense_duration", "illegal_defense_number", "illegal_defense_width", "kick_rand_factor_l",
+    "kick_rand_factor_r", "landmark_file", "log_times", "max_goal_kicks", "offside_active_area_size",
+    "offside_kick_margin", "old_coach_hear", "pen_allow_mult_kicks", "pen_before_setup_wait",
+    "pen_coach_moves_players", "pen_dist_x", "pen_max_extra_kicks", "pen_max_goalie_dist_x", "pen_nr_kicks",
+    "pen_random_winner", "pen_ready_wait", "pen_setup_wait", "pen_taken_wait", "penalty_shoot_outs",
+    "player_weight", "prand_factor_l", "prand_factor_r", "profile", "proper_goal_kicks", "recv_step",
+    "red_card_probability", "say_coach_cnt_max", "send_vi_step", "sense_body_step", "stopped_ball_vel",
+    "synch_micro_sleep", "team_actuator_noise", "team_l_start", "team_r_start", "verbose", "wind_ang",
+    "wind_dir", "wind_force", "wind_none", "wind_rand", "wind_random", "allow_mult_default_type", "pt_max",
+    "subs_max",
+})  # fmt: skip
+"""Parameters that are accepted and told to clients, but change nothing."""
+
 
 class UsageError(Exception):
     """The command line is wrong; the message says where and what would be right."""
@@ -128,6 +146,21 @@ def parse_options(arguments: Iterable[str]) -> ServerOptions:
     for assignment in assignments:
         _assign(options, assignment)
     return options
+
+
+def without_effect(options: ServerOptions) -> list[str]:
+    """Return the parameters that were changed and change nothing, as ``space::name``."""
+    profile = options.params.profile
+    changed = [
+        f"{space}::{name}"
+        for space, chosen, default in (
+            ("server", options.params, ServerParams(profile)),
+            ("player", options.player_params, PlayerParams(profile)),
+        )
+        for name in chosen
+        if name in _WITHOUT_EFFECT and chosen[name] != default[name]
+    ]
+    return sorted(changed)
 
 
 def _split(arguments: Iterable[str]) -> tuple[dict[str, str], list[str]]:

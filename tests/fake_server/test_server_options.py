@@ -6,7 +6,7 @@ import shlex
 
 import pytest
 
-from fake_server.options import HelpRequested, UsageError, parse_options
+from fake_server.options import HelpRequested, UsageError, parse_options, without_effect
 
 
 def test_options_of_the_keepaway_start_script() -> None:
@@ -83,3 +83,9 @@ def test_what_is_wrong_is_said_in_one_line(line: str, complaint: str) -> None:
 def test_help(word: str) -> None:
     with pytest.raises(HelpRequested):
         parse_options(["server::keepaway=1", word])
+
+
+def test_parameters_that_change_nothing_are_named() -> None:
+    line = "server::wind_force=3 server::verbose=0 player::subs_max=5 server::keepaway=1"
+    assert without_effect(parse_options(line.split())) == ["player::subs_max", "server::wind_force"]
+    assert without_effect(parse_options(["--profile=11.1"])) == []
