@@ -300,14 +300,6 @@ class Game:
         self.match["effort_max"][0, i] = self.types["effort_max"][player_type]
         recover(self.match, self.kernel, i)
 
-    def messages(self) -> list[tuple[int, str]]:
-        """Return what players said in the cycle before: speaker (index) and text."""
-        match = self.match[0]
-        return [
-            (int(match["heard_by"][m]), match["heard"][m, : match["heard_n"][m]].tobytes().decode("ascii"))
-            for m in range(int(match["n_heard"]))
-        ]
-
     def last_episode(self) -> tuple[int, int, int, bool]:
         """Return number, start, end and whether it was taken, of the episode that ended last."""
         record = last_episode(self.match)[0]

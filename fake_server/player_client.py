@@ -59,6 +59,7 @@ class PlayerClient:
         self._buffer = np.zeros(text.MAX_MESSAGE, dtype=np.uint8)
         self._landmarks = np.ones(N_LANDMARKS, dtype=np.uint8)
         self._order = np.zeros((MAX_MESSAGES, 2), dtype=np.int32)
+        self._ends = np.zeros(MAX_MESSAGES, dtype=np.int64)
         self._gets_fullstate = bool(self.game.params["fullstate_l" if i < MAX_PLAYERS else "fullstate_r"])
         self._teams: tuple[str, str] | None = None
         self._names, self._sizes = text.team_names("", "")
@@ -108,26 +109,16 @@ class PlayerClient:
             size = text.write_fullstate(self.game.match, self.i, mode, self._buffer)
             self.connection.send_buffer(self._buffer, size)
 
-    def hear(self, messages: list[tuple[int, str]]) -> None:
-        """Send what was said in the cycle before: a list of speakers (index) and texts."""
-        game = self.game
-        n = hearing.deliver(game.match, game.kernel, self.i, game.streams, self._order)
+    def hear(self) -> None:
+        """Send what players said in the cycle before."""
+        match = self.game.match
+        n = hearing.deliver(match, self.game.kernel, self.i, self.game.streams, self._order)
         if n > 0:
-            now = game.time
-            for m, how in self._order[:n].tolist():
-                self.send(self._heard(now, how, *messages[m]))
-
-    def _heard(self, now: int, how: int, speaker: int, message: str) -> str:
-        if how == hearing.HEAR_SELF:
-            return text.hear_self(now, message)
-        own = speaker // MAX_PLAYERS == self.i // MAX_PLAYERS
-        unum = speaker % MAX_PLAYERS + 1
-        if how == hearing.HEAR_PART:
-            return text.hear_partly(now, unum if own else 0)
-        direction = int(hearing.voice_direction(self.game.match, self.i, speaker))
-        if own:
-            return text.hear_team_mate(now, direction, unum, message)
-        return text.hear_opponent(now, direction, message)
+            text.write_hear(match, self.i, self._order, n, self._buffer, self._ends)
+            start = 0
+            for end in self._ends[:n].tolist():
+                self.connection.send_bytes(self._buffer[start:end].data)
+                start = end
 
     def see(self) -> None:
         """Send a see message."""

@@ -331,10 +331,9 @@ class Server:
             for player in players:
                 for message in said:
                     player.send(text.hear_coach(self.game.time, message))
-        messages = self.game.messages()
-        if messages:
+        if self.game.match["n_heard"][0]:
             for player in players:
-                player.hear(messages)
+                player.hear()
 
     def send_sees(self, due: NDArray[np.uint8]) -> None:
         """Send so many see messages to every player."""

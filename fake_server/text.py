@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fake_server.digits import Buffer, ascii_bytes, put_bytes, put_int, put_number, put_spaced, put_spaced_int, put_text
+from fake_server.simulation.hearing import HEAR_FULL, HEAR_SELF, voice_direction
 from fake_server.simulation.state import (
     C_CATCH,
     C_CHANGE_FOCUS,
@@ -24,6 +25,7 @@ from fake_server.simulation.state import (
     C_TURN,
     C_TURN_NECK,
     N_PLAYERS,
+    unum_of,
 )
 from rcss_hat.numeric.angles import RAD
 from rcss_hat.numeric.jit import inlined, kernel
@@ -415,6 +417,62 @@ def write_fullstate(match: NDArray[np.void], i: int, mode: Buffer, buffer: Buffe
     return at + 1
 
 
+# --- hear --------------------------------------------------------------------------------------------------------
+_HEAR = ascii_bytes("(hear ")
+_SELF = ascii_bytes(" self ")
+_OUR = ascii_bytes(" our ")
+_OPP = ascii_bytes(" opp")
+_QUOTE = 34
+
+
+@inlined
+def _put_quoted(match: NDArray[np.void], m: int, buffer: Buffer, at: int) -> int:
+    buffer[at] = _QUOTE
+    at = put_bytes(buffer, at + 1, match["heard"][0, m], match["heard_n"][0, m])
+    buffer[at] = _QUOTE
+    return at + 1
+
+
+@kernel
+def write_hear(
+    match: NDArray[np.void], i: int, order: NDArray[np.int32], n: int, buffer: Buffer, ends: NDArray[np.int64]
+) -> None:
+    """Write what player ``i`` hears of players, one datagram behind the other, each with its NUL.
+
+    Parameters
+    ----------
+    match : ndarray of MATCH, shape (1,)
+    i : int
+        Index of the listener.
+    order : ndarray of int32, shape (MAX_MESSAGES, 2)
+        As filled by ``hearing.deliver``.
+    n : int
+        Number of messages.
+    buffer : ndarray of uint8, shape (MAX_MESSAGE,)
+    ends : ndarray of int64, shape (MAX_MESSAGES,)
+        Set to the end of every message.
+    """
+    at = 0
+    for k in range(n):
+        m, how = order[k, 0], order[k, 1]
+        speaker = match["heard_by"][0, m]
+        own = (speaker < MAX_PLAYERS) == (i < MAX_PLAYERS)
+        at = put_int(buffer, put_text(buffer, at, _HEAR), match["time"][0])
+        if how == HEAR_SELF:
+            at = _put_quoted(match, m, buffer, put_text(buffer, at, _SELF))
+        else:
+            if how == HEAR_FULL:
+                at = put_spaced_int(buffer, at, voice_direction(match, i, speaker))
+            at = put_int(buffer, put_text(buffer, at, _OUR), unum_of(speaker)) if own else put_text(buffer, at, _OPP)
+            if how == HEAR_FULL:
+                buffer[at] = _SPACE
+                at = _put_quoted(match, m, buffer, at + 1)
+        buffer[at] = _CLOSE
+        buffer[at + 1] = 0
+        at += 2
+        ends[k] = at
+
+
 # --- short messages ---------------------------------------------------------------------------------------------------
 def init_reply(side: str, unum: int, mode: str) -> str:
     """Return the reply to an accepted ``(init ...)``; ``side`` is ``l`` or ``r``."""
@@ -439,26 +497,6 @@ def hear_referee(time: int, message: str) -> str:
 def hear_coach(time: int, message: str) -> str:
     """Return how players hear the trainer."""
     return f'(hear {time} coach "{message}")'
-
-
-def hear_self(time: int, message: str) -> str:
-    """Return how a speaker hears itself."""
-    return f'(hear {time} self "{message}")'
-
-
-def hear_team_mate(time: int, direction: int, unum: int, message: str) -> str:
-    """Return a message of a team mate, heard fully; direction in degrees relative to the listener's body."""
-    return f'(hear {time} {direction} our {unum} "{message}")'
-
-
-def hear_opponent(time: int, direction: int, message: str) -> str:
-    """Return a message of an opponent, heard fully."""
-    return f'(hear {time} {direction} opp "{message}")'
-
-
-def hear_partly(time: int, unum: int) -> str:
-    """Return what is left of a message for which the hearing capacity was used up; ``unum`` 0: of an opponent."""
-    return f"(hear {time} our {unum})" if unum else f"(hear {time} opp)"
 
 
 def change_player_type(unum: int, player_type: int | None) -> str:
