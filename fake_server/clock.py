@@ -19,7 +19,9 @@ from fake_server.simulation import clock
 from fake_server.simulation.state import N_PLAYERS
 
 if TYPE_CHECKING:
+    from fake_server.player_client import PlayerClient
     from fake_server.server import Server
+    from fake_server.trainer import TrainerClient
 
 _MONITOR_CYCLES = 32
 
@@ -63,28 +65,32 @@ class SynchClock:
 
     def run(self) -> None:
         """Go on until the server is stopped."""
+        while self._server.running:
+            self.cycle()
+
+    def cycle(self) -> None:
+        """Simulate a step, tell everybody, and wait for their answers."""
         server = self._server
         match, params = server.game.match, server.game.kernel
-        while server.running:
-            server.hold()
-            server.step()
-            clock.sees_before_think(match, params, self._due)
+        server.hold()
+        server.step()
+        clock.sees_before_think(match, params, self._due)
+        server.send_sees(self._due)
+        server.kicked_off = False
+        if server.running:
+            self._think()
+        if server.kicked_off:
+            match["clock"] = 0  # the first cycle of a match is the first of the clock's period
+        else:
+            clock.sees_after_think(match, params, self._due)
             server.send_sees(self._due)
-            server.kicked_off = False
-            if server.running:
-                self._think()
-            if server.kicked_off:
-                match["clock"] = 0  # the first cycle of a match is the first of the clock's period
-            else:
-                clock.sees_after_think(match, params, self._due)
-                server.send_sees(self._due)
 
     def _pause(self) -> None:
         server, timing = self._server, self._timing
         if server.game.time <= 0:
             server.release()
             give_up = time.monotonic() + timing.pause
-            while server.running and not server.kicked_off and (left := give_up - time.monotonic()) > 0.0:
+            while server.running and not server.about_to_start and (left := give_up - time.monotonic()) > 0.0:
                 server.read_others(left)
         elif server.monitors:
             self._watched_cycles += 1
@@ -95,23 +101,26 @@ class SynchClock:
         """Let everybody think, wait, and carry out what they command."""
         server = self._server
         self._pause()
-        if server.kicked_off:  # players who heard play_on before a think would act in cycle 0, others would not
-            return
-        thinkers = server.start_thinking()
+        if not server.about_to_start:  # who hears play_on before a think would act in cycle 0, others would not
+            self._wait_for(server.start_thinking())
+            server.carry_out()
+        server.kick_off_if_wanted()
+
+    def _wait_for(self, thinkers: list[PlayerClient | TrainerClient]) -> None:
+        server = self._server
         server.release()
         give_up = time.monotonic() + self._timing.patience
         left = self._timing.patience if thinkers else 0.0
         while server.running:
-            server.read_all(left)
+            server.read_all(max(left, 0.0))
             thinkers = [client for client in thinkers if client.waited_for]
             if not thinkers:
                 self._misses = 0
-                break
-            left = give_up - time.monotonic()
-            if left <= 0.0:
+                return
+            if left <= 0.0:  # not before a last look: it may have been the server that was kept from working
                 self._missed()
-                break
-        server.carry_out()
+                return
+            left = give_up - time.monotonic()
 
     def _missed(self) -> None:
         """Somebody has not answered; at cycle 0 that does not matter."""

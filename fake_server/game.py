@@ -108,6 +108,11 @@ class Game:
         return int(self.match["mode"][0])
 
     @property
+    def waits_for_kick_off(self) -> bool:
+        """Whether the match has not begun."""
+        return self.time == 0 and self.mode == BEFORE_KICK_OFF
+
+    @property
     def mode_name(self) -> str:
         """Play mode as clients are told."""
         return PLAY_MODES[self.mode]
@@ -229,7 +234,7 @@ class Game:
 
         How long clients take to connect would otherwise decide what is drawn afterwards.
         """
-        if self.time == 0 and self.mode == BEFORE_KICK_OFF and self.match["episode"][0] == 0:
+        if self.waits_for_kick_off and self.match["episode"][0] == 0:
             self.streams[:] = self._fresh_streams
 
     def step(self) -> list[str]:

@@ -121,7 +121,7 @@ class MonitorClient:
         """Carry out what only monitors command; these commands are not answered."""
         server, game = self.server, self.game
         if isinstance(command, said.DispStart):
-            server.kick_off()
+            server.want_kick_off()
         elif isinstance(command, said.DispBye):
             self.connection.close()
         elif isinstance(command, said.DispFoul):

@@ -47,13 +47,15 @@ class PlayerClient:
     ----------
     done : bool
         Whether the client has said ``(done)``, or goodbye, since the last ``(think)``.
+    told : bool
+        Whether he was told of a step; nobody is asked to think before.
     """
 
     def __init__(self, server: Server, i: int, connection: Connection) -> None:
         self.server, self.i, self.connection = server, i, connection
         self.game: Game = server.game
         self.version = int(self.game.match["version"][0, i])
-        self.done = False
+        self.done = self.told = False
         self._pending: list[Any] = []
         self._see, self._sense = empty(SEE), empty(SENSE_BODY)
         self._buffer = np.zeros(text.MAX_MESSAGE, dtype=np.uint8)

@@ -67,6 +67,8 @@ class Server:
         False once `stop` was called.
     kicked_off : bool
         Set when the first kick-off happens.
+    kick_off_wanted : bool
+        Whether somebody asked for the first kick-off, which waits until everybody is done.
     exit_code : int
         1 after too many missed cycles, else 0.
     """
@@ -83,7 +85,7 @@ class Server:
         self.trainer: TrainerClient | None = None
         self.clients: dict[Address, Client] = {}
         self.running = True
-        self.kicked_off = False
+        self.kicked_off = self.kick_off_wanted = False
         self.exit_code = 0
         self._farewell = "Server Killed. Exiting..."
         self._first_step: float | None = None
@@ -189,6 +191,7 @@ class Server:
         """Carry out what players have commanded, the left team's first, by number."""
         for player in self.players:
             if player is not None:
+                self.game.settle_randomness()  # before the match nobody's commands change what others' draw
                 player.carry_out()
         self._remove_disconnected()
 
@@ -205,8 +208,12 @@ class Server:
                 player.connection.release()
 
     def start_thinking(self) -> list[PlayerClient | TrainerClient]:
-        """Ask everybody to think; returns those who have to answer."""
-        thinkers: list[PlayerClient | TrainerClient] = [player for player in self.players if player is not None]
+        """Ask everybody to think who was told of a step; returns those who have to answer.
+
+        The original lets players join only while others think, so that a step always comes before the first think.
+        """
+        players = [player for player in self.players if player is not None and player.told]
+        thinkers: list[PlayerClient | TrainerClient] = [*players]
         if self.trainer is not None and self.trainer.eye:
             thinkers.append(self.trainer)
         for client in thinkers:
@@ -326,6 +333,7 @@ class Server:
         for player in players:
             player.sense_body()
             player.fullstate()
+            player.told = True
         if self._coach_said:
             said, self._coach_said = self._coach_said, []
             for player in players:
@@ -347,6 +355,31 @@ class Server:
     def kick_off(self) -> None:
         """Start the match, or its next half."""
         self._play(self.game.kick_off)
+
+    @property
+    def about_to_start(self) -> bool:
+        """Whether nobody is asked to think any more before the first cycle of the match."""
+        return self.kicked_off or self.kick_off_wanted
+
+    def want_kick_off(self) -> None:
+        """Kick off; before the match in synch mode not until everybody is done.
+
+        Otherwise some would carry out commands of cycle 0 in a match that has begun, others not.
+        """
+        if self.game.params["synch_mode"] and self.game.waits_for_kick_off:
+            self.kick_off_wanted = True
+        else:
+            self.kick_off()
+
+    def kick_off_if_wanted(self) -> None:
+        """Kick off if somebody asked for it, after a look for answers that came too late for their think."""
+        if not self.kick_off_wanted:
+            return
+        self.read_all(0.0)
+        self.carry_out()
+        self.kick_off_wanted = False
+        if self.game.waits_for_kick_off:
+            self.kick_off()
 
     def change_mode(self, mode: int) -> None:
         """Change the play mode, as a trainer does."""

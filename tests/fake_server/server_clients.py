@@ -16,7 +16,7 @@ from fake_server.server import Server, running_server
 from rcss_hat.protocol.params import ServerParams, Value
 
 PATIENCE = 20.0
-FAST = Timing(pause=0.002, monitor_pause=0.0)
+FAST = Timing(patience=PATIENCE, pause=0.002, monitor_pause=0.0)
 _PARAMETERS = ("(server_param", "(player_param", "(player_type")
 
 
@@ -146,6 +146,14 @@ def serving(
         finally:
             for client in clients.all:
                 client.close()
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    """Wait until something holds of the server."""
+    give_up = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < give_up, "it never came about"
+        time.sleep(0.002)
 
 
 def without_parameters(messages: list[str]) -> list[str]:
