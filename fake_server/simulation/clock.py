@@ -66,22 +66,28 @@ def period(params: NDArray[np.void]) -> int:
 
 
 @inlined
+def sees_due(match: NDArray[np.void], params: NDArray[np.void], i: int, after_ms: int, to_ms: int) -> int:
+    """Count a player's visual ticks (with synch_see: steps) in (after_ms, to_ms] of the clock."""
+    if match["synch_see"][0, i]:
+        step = int(params["simulator_step"][0])
+        synch = _ceil_tick(params["synch_see_offset"][0]) % step
+        return (to_ms - synch) // step - (after_ms - synch) // step
+    quarter = 0.25 * params["send_step"][0]
+    ticks = int(math.floor(to_ms / quarter)) - int(math.floor(after_ms / quarter))
+    return min(ticks, (to_ms - after_ms) // TICK_MS)
+
+
+@inlined
 def _count_sees(
     match: NDArray[np.void], params: NDArray[np.void], after_ms: int, to_ms: int, due_out: NDArray[np.uint8]
 ) -> None:
     """Count every player's sees due in (after_ms, to_ms] of the clock, and advance his ticks."""
-    quarter = 0.25 * params["send_step"][0]
-    ticks = int(math.floor(to_ms / quarter)) - int(math.floor(after_ms / quarter))
-    ticks = min(ticks, (to_ms - after_ms) // TICK_MS)
-    step = int(params["simulator_step"][0])
-    synch = _ceil_tick(params["synch_see_offset"][0]) % step
-    synch_ticks = (to_ms - synch) // step - (after_ms - synch) // step
     see_ticks = match["see_ticks"][0]
     due_out[:] = 0
     for k in range(match["n_players"][0]):
         i = match["players"][0, k]
         interval = see_interval(match, i)
-        total = see_ticks[i] + (synch_ticks if match["synch_see"][0, i] else ticks)
+        total = see_ticks[i] + sees_due(match, params, i, after_ms, to_ms)
         if total >= interval:
             due_out[i] = total // interval
             total %= interval

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.simulation.clock import see_interval
+from fake_server.simulation.clock import TICK_MS, period, see_interval, sees_due, think_offset
 from fake_server.simulation.placement import place_ball, place_player, recover_all
 from fake_server.simulation.referee import change_play_mode
 from fake_server.simulation.state import (
@@ -80,14 +80,18 @@ def _first_episode(match: NDArray[np.void], params: NDArray[np.void], rng: NDArr
 
 @kernel
 def _fix_see_phases(match: NDArray[np.void], params: NDArray[np.void], rng: NDArray[np.uint64]) -> None:
-    """Start the see schedule afresh: the clock at its first cycle, every player at a random tick of his interval.
+    """Start the see schedule afresh: the clock before its first step, every player as if he had joined at some think.
 
-    In a real server the phase depends on when a player connected. Drawing it makes a seed decide everything.
+    In a real server the phase of a player's sees depends on when he connected, which in synch mode can only be at the
+    think of one of the cycles of the visual period. Drawing that cycle makes a seed decide everything.
     """
-    match["clock"][0] %= int(params["simulator_step"][0])
+    step = int(params["simulator_step"][0])
+    match["clock"][0] = 0
+    cycles = period(params) // step
     for k in range(match["n_players"][0]):
         i = match["players"][0, k]
-        match["see_ticks"][0, i] = integer(rng, see_interval(match, i))
+        joined = (integer(rng, cycles) - cycles) * step + think_offset(params)
+        match["see_ticks"][0, i] = sees_due(match, params, i, joined, -TICK_MS) % see_interval(match, i)
 
 
 @kernel
@@ -95,7 +99,7 @@ def kick_off(match: NDArray[np.void], params: NDArray[np.void], streams: NDArray
     """Start the play: play_on in Keepaway, the kick-off of the next half otherwise.
 
     The first call in Keepaway counts keepers and takers, starts episode 1 and, in synch mode, restarts the clock's
-    period (0 when called at a step boundary) and draws every player's see phase. Sets E_PLAY_ON.
+    period and draws every player's see phase. Sets E_PLAY_ON.
 
     Parameters
     ----------

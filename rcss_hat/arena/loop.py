@@ -117,6 +117,7 @@ def run(
     control: Records,
     episodes: Records,
     decisions: Records,
+    states: NDArray[np.float64],
     frames: Records,
 ) -> int:
     """Play until an episode, cycle or log limit, or until a policy outside the loop is asked.
@@ -205,7 +206,7 @@ def run(
                         decisions["status"][k] = status
                         decisions["reward"][k] = reward
                         decisions["action"][k] = choice
-                        decisions["state"][k, :] = state
+                        states[k, :] = state
                         control["decided"][0] = k + 1
                 players.act(agent, params, choice, actions[p : p + 1])
                 control["player"][0] = p + 1

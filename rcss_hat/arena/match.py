@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,11 @@ from numpy.typing import NDArray
 from fake_server.simulation import keepaway
 from fake_server.simulation.player_types import player_types
 from fake_server.simulation.state import EPISODE, N_PLAYERS, connect, index, new_match, streams
+from rcss_hat.arena.compilation import compile_halves
 from rcss_hat.arena.loop import run
-from rcss_hat.arena.records import CONTROL, FINISHED, FRAME, NEEDS_ACTION, decision_dtype
+from rcss_hat.arena.records import CONTROL, DECISION, FINISHED, FRAME, NEEDS_ACTION, decision_dtype
 from rcss_hat.hat.brains import EXTERNAL
-from rcss_hat.hat.policy import TeamPolicy
+from rcss_hat.hat.policy import TeamPolicy, load_policy
 from rcss_hat.keepaway import agent as players
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode, RunReport
 from rcss_hat.keepaway.state import n_state_variables
@@ -26,6 +28,13 @@ PROTOCOL_VERSION = 11
 NEVER = 2**31 - 1
 CHUNK = 36_000
 """Cycles per call of the loop, so that Ctrl-C and progress are served: one simulated hour."""
+
+
+@cache
+def _compile() -> None:
+    """Once per process, before the first match: see to it that the loop is quick to compile."""
+    compile_halves(ArenaMatch(Task(), 0, load_policy("hold", 3, 2, 0)))
+
 
 Policy = Callable[[NDArray[np.float64], dict[str, Any]], int]
 """A policy in Python: (state variables, info) -> action; info holds episode, cycle, keeper, status and reward."""
@@ -66,7 +75,7 @@ class ArenaMatch:
         self.seats = np.array([index(LEFT, k + 1) for k in range(n)] + [index(RIGHT, k + 1) for k in range(m)])
         for seat in self.seats:
             connect(self.match, self.params, int(seat), PROTOCOL_VERSION, False)
-        agents = [players.new_agent(LEFT, k + 1, n, m, self.params, seed) for k in range(n)]
+        agents = [players.new_agent(LEFT, k + 1, n, m, self.params, seed, policy.hold_cycles) for k in range(n)]
         agents += [players.new_agent(RIGHT, k + 1, n, m, self.params, seed) for k in range(m)]
         self.agents = np.concatenate(agents)
         self.landmarks = players.landmarks_wanted(self.params)
@@ -81,7 +90,8 @@ class ArenaMatch:
         self.control["log_decisions"][0] = log_decisions
         self.control["log_frames"][0] = log_frames
         self.episode_log = np.zeros(4096, dtype=EPISODE)
-        self.decision_log = np.zeros(20_000 if log_decisions else 64, dtype=decision_dtype(len(self.state)))
+        room = 20_000 if log_decisions else 64
+        self.decision_log, self.state_log = np.zeros(room, dtype=DECISION), np.zeros((room, len(self.state)))
         self.frame_log = np.zeros(2_000 if log_frames else 1, dtype=FRAME)
         self._kicked_off = False
 
@@ -98,7 +108,7 @@ class ArenaMatch:
                 self.started, self.due, self.sense, self.heard, self.sees, self.has_see, self.actions, self.state,
                 EXTERNAL if self.external is not None else brains.kind, brains.rules, brains.has_rules, brains.features,
                 brains.table, brains.weights, brains.traces, brains.learners, brains.method, brains.streams,
-                self.control, self.episode_log, self.decision_log, self.frame_log,
+                self.control, self.episode_log, self.decision_log, self.state_log, self.frame_log,
             )
         )  # fmt: skip
 
@@ -134,6 +144,7 @@ class ArenaMatch:
         list of Episode
             May be empty; the match can be saved or dropped between any two.
         """
+        _compile()
         if not self._kicked_off:
             keepaway.kick_off(self.match, self.params, self.streams)
             self._kicked_off = True
@@ -162,7 +173,11 @@ class ArenaMatch:
         """Return the decisions logged since the last call (see `decision_dtype`)."""
         n = int(self.control["decided"][0])
         self.control["decided"][0] = 0
-        return self.decision_log[:n].copy()
+        decisions = np.zeros(n, dtype=decision_dtype(len(self.state)))
+        for name in DECISION.names or ():
+            decisions[name] = self.decision_log[name][:n]
+        decisions["state"] = self.state_log[:n]
+        return decisions
 
     def take_frames(self) -> NDArray[np.void]:
         """Return the frames logged since the last call (dtype FRAME)."""

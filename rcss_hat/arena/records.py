@@ -51,7 +51,7 @@ FRAME = np.dtype(
 )
 """What a monitor shows of one cycle."""
 
-DECISION_FIELDS = [
+_DECISION = [
     ("episode", "i4"),
     ("cycle", "i4"),
     ("keeper", "i4"),
@@ -59,8 +59,10 @@ DECISION_FIELDS = [
     ("reward", "f8"),
     ("action", "i4"),
 ]
+DECISION = np.dtype(_DECISION)
+"""Who did what; the loop keeps the states apart, so that it is compiled once for all sizes of teams."""
 
 
 def decision_dtype(n_variables: int) -> np.dtype:
-    """Dtype of the decision log: who did what in which state."""
-    return np.dtype([*DECISION_FIELDS, ("state", "f8", (n_variables,))])
+    """Dtype of decisions as people get them: who did what in which state."""
+    return np.dtype([*_DECISION, ("state", "f8", (n_variables,))])

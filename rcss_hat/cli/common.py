@@ -72,7 +72,7 @@ def tell_of_compilation(module: str) -> None:
     from rcss_hat.numeric.jit import is_cached
 
     if not is_cached(module):
-        click.echo("Compiling the players and the simulation (once per installation, one to two minutes) ...", err=True)
+        click.echo("Compiling the players and the simulation (once per installation, about a minute) ...", err=True)
 
 
 def fail(message: str, code: int = 1) -> None:

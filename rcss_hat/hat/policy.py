@@ -30,10 +30,13 @@ class TeamPolicy:
         As people name it.
     brains : Brains
     keepers, takers : int
+    hold_cycles : int
+        Cycles from a Hold to the next decision.
     """
 
-    def __init__(self, spec: str, brains: Brains, keepers: int, takers: int) -> None:
+    def __init__(self, spec: str, brains: Brains, keepers: int, takers: int, hold_cycles: int = 1) -> None:
         self.spec, self.brains, self.keepers, self.takers = spec, brains, keepers, takers
+        self.hold_cycles = hold_cycles
 
     def warm_up(self) -> None:
         """Compile, or load from the cache, what deciding needs; this policy's own records stay as they are."""
@@ -111,7 +114,7 @@ RUN_WEIGHTS, RUN_RULES = "learners.npz", "rules.json"
 def learners_policy(learners: Learners, rules: DecisionList | None, spec: str = "learned") -> TeamPolicy:
     """Let learners play; they go on learning unless switched off (`Learners.set_mode`)."""
     brains = learned_brains(learners, rules.to_arrays() if rules is not None else None)
-    return TeamPolicy(spec, brains, learners.n_keepers, learners.n_takers)
+    return TeamPolicy(spec, brains, learners.n_keepers, learners.n_takers, learners.config.hold_cycles)
 
 
 def _trained(folder: Path, keepers: int, takers: int) -> TeamPolicy:

@@ -1,9 +1,10 @@
 """Scripted teachers: stand-ins for people where none are present.
 
 A scripted teacher sees what a person sees in the viewer, the true positions of ball and players, not the 13 state
-variables. It looks at a picture some cycles old (reaction time), misjudges distances and angles, now and then does
-not attend or presses the wrong key, and otherwise follows a simple strategy: hold until a taker is near or a lane is
-wide open, then pass into the best lane. When no key is pressed the keeper with the ball holds.
+variables. It acts on a picture some cycles old (reaction time), moved on in its mind as far as it anticipates;
+it knows who will get the ball, because a pass can be seen coming. It misjudges distances and angles, now and then does
+not attend or presses the wrong key, and otherwise follows a simple strategy: hold until a taker is near or a team mate
+is wide open, then pass to the one most open. When no key is pressed the keeper with the ball holds.
 
 One teacher plays whichever keeper has the ball. Once per cycle it is shown the picture and answers with the key it
 presses (`teach`); every keeper that takes a decision in this cycle acts by that key.
@@ -29,7 +30,11 @@ from rcss_hat.numeric.rng import bernoulli, integer, normal, uniform
 from rcss_hat.protocol.records import MAX_PLAYERS
 
 HISTORY = 64
-"""Pictures kept; the longest reaction time is one cycle shorter."""
+"""Pictures kept."""
+MOTION_SPAN = 2
+"""Motion is judged from two pictures so many cycles apart."""
+MAX_DELAY = HISTORY - 1 - MOTION_SPAN
+"""Longest reaction time (cycles)."""
 REACH = 1.3
 """A keeper has the ball, to the eye, when it is this near (m); a little more than the kickable distance."""
 NOBODY = -1
@@ -39,10 +44,11 @@ TEACHER = np.dtype(
     [
         ("delay", "f8"),
         ("delay_spread", "f8"),
+        ("anticipation", "f8"),
         ("pass_distance", "f8"),
         ("panic_distance", "f8"),
-        ("open_lane", "f8"),
-        ("wide_lane", "f8"),
+        ("open", "f8"),
+        ("wide_open", "f8"),
         ("space_weight", "f8"),
         ("far_bonus", "f8"),
         ("misjudgement", "f8"),
@@ -63,12 +69,13 @@ MEMORY = np.dtype(
         ("delay", "i4"),  # drawn per possession: reaction time,
         ("awake", "i4"),  # number of the picture from which the teacher attends,
         ("distance_error", "f8"),  # factor on distances of takers,
-        ("lane_error", "f8", (MAX_PLAYERS,)),  # factor on each keeper's lane,
+        ("opening_error", "f8", (MAX_PLAYERS,)),  # factor on how open each keeper is,
         ("slips", "u1"),  # whether the wrong key will be pressed,
         ("slip_draw", "f8"),  # and which, in [0, 1)
-        ("ball", "f8", (HISTORY, 2)),
         ("keepers", "f8", (HISTORY, MAX_PLAYERS, 2)),
         ("takers", "f8", (HISTORY, MAX_PLAYERS, 2)),
+        ("present_keepers", "f8", (MAX_PLAYERS, 2)),  # where the teacher believes everybody to be now
+        ("present_takers", "f8", (MAX_PLAYERS, 2)),
     ]
 )
 """What a teacher has in mind: the last pictures, and what was drawn for the running possession."""
@@ -84,19 +91,22 @@ class Teacher:
         Mean reaction time in cycles of 100 ms: the teacher acts on the picture of so long ago. People take 3 to 5.
     delay_spread : float
         Largest deviation of the reaction time from its mean, drawn per possession (cycles).
+    anticipation : float
+        Share of the reaction time that the teacher makes up for by seeing how players move: 0 takes the old picture
+        for the present, 1 moves everybody on by the whole reaction time.
     pass_distance : float
         Wants to pass when the nearest taker is this near to the keeper with the ball (m).
     panic_distance : float
-        At this distance (m) passes even if no lane is open.
-    open_lane : float
-        Smallest angle between a team mate and any taker, at the keeper with the ball, at which the lane counts as
-        open (degrees).
-    wide_lane : float
-        A lane this wide (degrees) is used at once, however far the takers are; above 180 never.
+        At this distance (m) passes even if nobody is open.
+    open : float
+        How open a team mate must be (degrees). Openness is the smallest angle between team mate and any taker, seen
+        from the keeper with the ball, plus ``space_weight`` times the metres between team mate and nearest taker.
+    wide_open : float
+        To a team mate this open (degrees) the teacher passes at once, however far the takers are.
     space_weight : float
-        Worth of a metre between team mate and nearest taker, in degrees of lane.
+        Worth of a metre of room around a team mate (degrees).
     far_bonus : float
-        Worth of being farther away than the nearest team mate, in degrees of lane; negative prefers near ones.
+        Preference for others than the nearest team mate (degrees); negative prefers the nearest.
     misjudgement : float
         Standard deviation of the relative error of judged distances and angles.
     lapse : float
@@ -111,10 +121,11 @@ class Teacher:
 
     delay: float = 4.0
     delay_spread: float = 1.0
+    anticipation: float = 0.5
     pass_distance: float = 5.0
-    panic_distance: float = 2.0
-    open_lane: float = 20.0
-    wide_lane: float = 181.0
+    panic_distance: float = 1.0
+    open: float = 80.0
+    wide_open: float = 1000.0
     space_weight: float = 4.0
     far_bonus: float = 0.0
     misjudgement: float = 0.1
@@ -124,15 +135,16 @@ class Teacher:
     max_action: int = MAX_PLAYERS - 1
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.delay_spread <= self.delay or self.delay + self.delay_spread > HISTORY - 1:
+        if not 0.0 <= self.delay_spread <= self.delay or self.delay + self.delay_spread > MAX_DELAY:
             raise ValueError(
-                f"delay - delay_spread must be 0 or more and delay + delay_spread at most {HISTORY - 1} cycles, not "
+                f"delay - delay_spread must be 0 or more and delay + delay_spread at most {MAX_DELAY} cycles, not "
                 f"{self.delay:g} and {self.delay_spread:g}"
             )
-        for name in ("lapse", "slip"):
+        for name in ("anticipation", "lapse", "slip"):
             if not 0.0 <= getattr(self, name) <= 1.0:
-                raise ValueError(f"{name} is a probability from 0 to 1, not {getattr(self, name):g}")
-        for name in ("pass_distance", "panic_distance", "open_lane", "wide_lane", "misjudgement", "lapse_cycles"):
+                kind = "share" if name == "anticipation" else "probability"
+                raise ValueError(f"{name} is a {kind} from 0 to 1, not {getattr(self, name):g}")
+        for name in ("pass_distance", "panic_distance", "open", "wide_open", "misjudgement", "lapse_cycles"):
             if not getattr(self, name) >= 0.0:
                 raise ValueError(f"{name} must be 0 or more, not {getattr(self, name):g}")
         if not 1 <= self.max_action < MAX_PLAYERS:
@@ -144,6 +156,7 @@ class Teacher:
             self,
             delay=self.delay * factor,
             delay_spread=self.delay_spread * factor,
+            anticipation=self.anticipation / factor,
             lapse_cycles=self.lapse_cycles * factor,
         )
 
@@ -159,17 +172,26 @@ class Teacher:
         return record
 
 
-_B = Teacher(pass_distance=6.0, open_lane=25.0, wide_lane=60.0, misjudgement=0.08, lapse=0.05, slip=0.02)
+_B = Teacher(
+    delay=1.5, delay_spread=1.0, anticipation=0.6, pass_distance=5.0, panic_distance=1.5, open=72.0, space_weight=3.0,
+    far_bonus=43.0, misjudgement=0.03, lapse=0.01, slip=0.005,
+)  # fmt: skip
 
 STYLES: Mapping[str, Teacher] = MappingProxyType(
     {
-        "A": Teacher(delay=3.0, pass_distance=4.0, open_lane=15.0, far_bonus=10.0, lapse=0.1, slip=0.02),
+        "A": Teacher(
+            delay=2.0, delay_spread=1.0, anticipation=0.75, pass_distance=4.0, panic_distance=0.8, open=70.0,
+            space_weight=3.0, far_bonus=0.0, misjudgement=0.03, lapse=0.01, slip=0.005,
+        ),
         "B": _B,
-        "C": Teacher(delay=5.0, pass_distance=5.0, misjudgement=0.2, lapse=0.15, slip=0.06, far_bonus=-10.0),
+        "C": Teacher(
+            delay=1.0, delay_spread=1.0, anticipation=0.8, pass_distance=4.4, panic_distance=0.5, open=66.0,
+            space_weight=2.0, far_bonus=-10.0, misjudgement=0.06, lapse=0.02, slip=0.01,
+        ),
         "B-fast": _B.fast(),
         "B-limited": _B.limited(),
     }
-)
+)  # fmt: skip
 """Teachers in the manner of the HAT paper's subjects (section 5): A, long experience, holds long and passes late; B,
 practised, passes early and well; C, a novice; and B handicapped by a simulator five times as fast, or by having Hold
 and PASS1 only."""
@@ -276,12 +298,16 @@ def teach(
     """
     if memory["pictures"][0] > 0 and memory["cycle"][0] == cycle:
         return memory["key"][0]
-    _remember(memory, cycle, ball, keepers, takers)
+    _remember(memory, cycle, keepers, takers)
     holder = _holder(ball, keepers)
     if holder != NOBODY and holder != memory["holder"][0]:
         _begin_possession(teacher, memory, holder, keepers.shape[0], rng)
     key = HOLD
-    if memory["pictures"][0] > memory["delay"][0] and memory["pictures"][0] >= memory["awake"][0]:
+    if (
+        memory["holder"][0] != NOBODY
+        and memory["pictures"][0] > memory["delay"][0]
+        and memory["pictures"][0] >= memory["awake"][0]
+    ):
         key = _choose(teacher, memory, keepers.shape[0], takers.shape[0])
     memory["key"][0] = key
     return key
@@ -291,13 +317,11 @@ def teach(
 def _remember(
     memory: NDArray[np.void],
     cycle: int,
-    ball: NDArray[np.float64],
     keepers: NDArray[np.float64],
     takers: NDArray[np.float64],
 ) -> None:
     at = memory["pictures"][0] % HISTORY
     for axis in range(2):
-        memory["ball"][0, at, axis] = ball[axis]
         for i in range(keepers.shape[0]):
             memory["keepers"][0, at, i, axis] = keepers[i, axis]
         for j in range(takers.shape[0]):
@@ -332,45 +356,61 @@ def _begin_possession(
     error = teacher["misjudgement"][0]
     memory["distance_error"][0] = math.exp(error * normal(rng))
     for i in range(n_keepers):
-        memory["lane_error"][0, i] = math.exp(error * normal(rng))
+        memory["opening_error"][0, i] = math.exp(error * normal(rng))
     memory["slips"][0] = 1 if bernoulli(rng, teacher["slip"][0]) else 0
     memory["slip_draw"][0] = uniform(rng, 0.0, 1.0)
 
 
 @njit
+def _imagine(teacher: NDArray[np.void], memory: NDArray[np.void], n_keepers: int, n_takers: int) -> None:
+    """Make up the present: the picture of ``delay`` cycles ago, moved on as far as the teacher anticipates."""
+    past = memory["pictures"][0] - 1 - memory["delay"][0]
+    earlier = max(past - MOTION_SPAN, 0)
+    ahead = 0.0
+    if past > earlier:
+        ahead = teacher["anticipation"][0] * memory["delay"][0] / (past - earlier)
+    at, before = past % HISTORY, earlier % HISTORY
+    keepers, takers = memory["keepers"], memory["takers"]
+    for axis in range(2):
+        for i in range(n_keepers):
+            x = keepers[0, at, i, axis]
+            memory["present_keepers"][0, i, axis] = x + ahead * (x - keepers[0, before, i, axis])
+        for j in range(n_takers):
+            x = takers[0, at, j, axis]
+            memory["present_takers"][0, j, axis] = x + ahead * (x - takers[0, before, j, axis])
+
+
+@njit
 def _choose(teacher: NDArray[np.void], memory: NDArray[np.void], n_keepers: int, n_takers: int) -> int:
-    """Decide by the picture of ``delay`` cycles ago."""
-    at = (memory["pictures"][0] - 1 - memory["delay"][0]) % HISTORY
-    keepers, takers = memory["keepers"][0, at], memory["takers"][0, at]
-    holder = _holder(memory["ball"][0, at], keepers[:n_keepers])
-    if holder != memory["holder"][0]:
-        return HOLD  # the picture still shows the ball with another keeper, or on its way
+    """Decide by what the teacher believes to be the present."""
+    _imagine(teacher, memory, n_keepers, n_takers)
+    holder = memory["holder"][0]
+    keepers, takers = memory["present_keepers"][0], memory["present_takers"][0]
     x, y = keepers[holder, 0], keepers[holder, 1]
     pressure = 1e12
     for j in range(n_takers):
         pressure = min(pressure, math.hypot(takers[j, 0] - x, takers[j, 1] - y))
     pressure *= memory["distance_error"][0]
 
-    best, best_lane, best_worth = NOBODY, 0.0, -1e12
+    best_key, most_open, best_worth = HOLD, 0.0, -1e12
     for i in range(n_keepers):
-        rank = _rank(keepers, n_keepers, holder, i)
-        if i == holder or rank > teacher["max_action"][0]:
+        key = _rank(keepers, n_keepers, holder, i)
+        if i == holder:
             continue
-        lane, space = _opening(keepers, takers, n_takers, holder, i)
-        lane *= memory["lane_error"][0, i]
-        worth = lane + teacher["space_weight"][0] * space
-        if rank > 1:
-            worth += teacher["far_bonus"][0]
+        opening = _opening(keepers, takers, n_takers, holder, i, teacher["space_weight"][0])
+        opening *= memory["opening_error"][0, i]
+        worth = opening + (teacher["far_bonus"][0] if key > 1 else 0.0)
         if worth > best_worth:
-            best, best_lane, best_worth = i, lane, worth
-    if best == NOBODY:
+            best_key, most_open, best_worth = key, opening, worth
+    invited = most_open >= teacher["wide_open"][0]
+    pressed = pressure <= teacher["pass_distance"][0] and most_open >= teacher["open"][0]
+    if (
+        best_key == HOLD
+        or best_key > teacher["max_action"][0]
+        or not (invited or pressed or pressure <= teacher["panic_distance"][0])
+    ):
         return HOLD
-    invited = best_lane >= teacher["wide_lane"][0]
-    pressed = pressure <= teacher["pass_distance"][0] and best_lane >= teacher["open_lane"][0]
-    if not (invited or pressed or pressure <= teacher["panic_distance"][0]):
-        return HOLD
-    key = _rank(keepers, n_keepers, holder, best)
-    return _slipped(teacher, memory, key, n_keepers) if memory["slips"][0] else key
+    return _slipped(teacher, memory, best_key, n_keepers) if memory["slips"][0] else best_key
 
 
 @njit
@@ -380,19 +420,23 @@ def _rank(keepers: NDArray[np.float64], n_keepers: int, holder: int, mate: int) 
     own = math.hypot(keepers[mate, 0] - x, keepers[mate, 1] - y)
     rank = 1
     for i in range(n_keepers):
-        if i in (holder, mate):
-            continue
-        other = math.hypot(keepers[i, 0] - x, keepers[i, 1] - y)
-        if other < own or (other == own and i < mate):
-            rank += 1
+        if i != holder and i != mate:
+            other = math.hypot(keepers[i, 0] - x, keepers[i, 1] - y)
+            if other < own or (other == own and i < mate):
+                rank += 1
     return rank
 
 
 @njit
 def _opening(
-    keepers: NDArray[np.float64], takers: NDArray[np.float64], n_takers: int, holder: int, mate: int
-) -> tuple[float, float]:
-    """Lane to a team mate: smallest angle to a taker (degrees), and room around the mate (m)."""
+    keepers: NDArray[np.float64],
+    takers: NDArray[np.float64],
+    n_takers: int,
+    holder: int,
+    mate: int,
+    space_weight: float,
+) -> float:
+    """How open a team mate is: smallest angle to a taker, plus the weighted distance to the nearest one (degrees)."""
     x, y = keepers[holder, 0], keepers[holder, 1]
     ux, uy = keepers[mate, 0] - x, keepers[mate, 1] - y
     lane, space = 180.0, 1e12
@@ -400,7 +444,7 @@ def _opening(
         wx, wy = takers[j, 0] - x, takers[j, 1] - y
         lane = min(lane, math.atan2(abs(ux * wy - uy * wx), ux * wx + uy * wy) * RAD)
         space = min(space, math.hypot(takers[j, 0] - keepers[mate, 0], takers[j, 1] - keepers[mate, 1]))
-    return lane, space
+    return lane + space_weight * space
 
 
 @njit

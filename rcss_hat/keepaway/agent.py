@@ -12,6 +12,7 @@ from rcss_hat.keepaway.getting_open import open_grid
 from rcss_hat.keepaway.keeper import (
     FIRST,
     FOLLOW_THROUGH,
+    HOLDING,
     NO_ACTION,
     NO_DECISION,
     STEP,
@@ -36,6 +37,7 @@ Record = NDArray[np.void]
 __all__ = [
     "FIRST",
     "FOLLOW_THROUGH",
+    "HOLDING",
     "NO_DECISION",
     "STEP",
     "UNKNOWN",
@@ -51,7 +53,9 @@ _TIMES = ("now", "see_time", "hear_time", "collision_time", "sent_time", "ball_s
           "aim_time", "search_time", "say_time", "last_action_time")  # fmt: skip
 
 
-def new_agent(side: int, unum: int, n_keepers: int, n_takers: int, params: Record, seed: int) -> Record:
+def new_agent(
+    side: int, unum: int, n_keepers: int, n_takers: int, params: Record, seed: int, hold_cycles: int = 1
+) -> Record:
     """Make the record of a player who knows nothing yet.
 
     Parameters
@@ -65,6 +69,8 @@ def new_agent(side: int, unum: int, n_keepers: int, n_takers: int, params: Recor
         Server parameters (dtype PARAMS).
     seed : int
         Of the match; the player's own stream follows from it, side and number.
+    hold_cycles : int
+        Cycles from a keeper's Hold to his next decision; 1: he decides in every cycle.
 
     Returns
     -------
@@ -80,6 +86,8 @@ def new_agent(side: int, unum: int, n_keepers: int, n_takers: int, params: Recor
         raise ValueError(f"side must be {LEFT} (keeper) or {RIGHT} (taker), not {side}")
     if not 1 <= unum <= MAX_PLAYERS:
         raise ValueError(f"uniform number must be 1 .. {MAX_PLAYERS}, not {unum}")
+    if hold_cycles < 1:
+        raise ValueError(f"hold_cycles must be 1 or more, not {hold_cycles}")
     if not (1 <= n_keepers <= MAX_PLAYERS and 1 <= n_takers <= MAX_PLAYERS):
         raise ValueError(f"1 .. {MAX_PLAYERS} keepers and takers can play, not {n_keepers} and {n_takers}")
     agent = np.zeros(1, dtype=AGENT)
@@ -96,6 +104,7 @@ def new_agent(side: int, unum: int, n_keepers: int, n_takers: int, params: Recor
     agent["player_known"] = 1
     agent["fast_own"] = agent["fast_other"] = NOT_COMPUTED
     agent["last_action"] = NO_ACTION
+    agent["hold_cycles"] = hold_cycles
     agent["taken_guess"] = 1
     _forget(agent)
     return agent
@@ -192,8 +201,8 @@ def decide(agent: Record, params: Record, state_out: NDArray[np.float64]) -> int
     -------
     int
         NO_DECISION (not at the ball), UNKNOWN (at the ball but the state is undefined: Hold, without the policy),
-        FOLLOW_THROUGH (a pass needs another kick; without the policy), FIRST (first decision of the episode) or STEP
-        (``agent["reward"][0]`` is the reward of the previous decision).
+        FOLLOW_THROUGH (a pass needs another kick; without the policy), HOLDING (a Hold lasts; likewise), FIRST (first
+        decision of the episode) or STEP (``agent["reward"][0]`` is the reward of the previous decision).
     """
     return keeper_decides(agent, state_out)
 

@@ -13,3 +13,8 @@ EpisodeEnd = Callable[[int, bool, float], None]
 """Told of an episode's end: (cycle, this keeper acted in it, cycles since its last decision)."""
 KeeperPolicy = Callable[[int], tuple[Decide, EpisodeEnd | None]]
 """Policy of a team: keeper number from 0 -> (decide, episode_ended) of that keeper."""
+
+
+def hold_cycles_of(policy: KeeperPolicy) -> int:
+    """Cycles a Hold of this policy lasts: its attribute ``hold_cycles``, 1 when it has none."""
+    return int(getattr(policy, "hold_cycles", 1))

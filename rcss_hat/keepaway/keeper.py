@@ -18,7 +18,7 @@ from rcss_hat.player.records import NEVER
 
 Record = NDArray[np.void]
 
-NO_DECISION, UNKNOWN, FOLLOW_THROUGH, FIRST, STEP = range(5)
+NO_DECISION, UNKNOWN, FOLLOW_THROUGH, FIRST, STEP, HOLDING = range(6)
 """What `decide` may find; see `rcss_hat.keepaway.agent.decide`."""
 NO_ACTION = -1
 
@@ -53,6 +53,8 @@ def _with_ball(agent: Record, state: NDArray[np.float64], now: int) -> int:
         return FIRST
     if last == now - 1 and agent["last_action"][0] > 0:
         return FOLLOW_THROUGH
+    if agent["last_action"][0] == 0 and now - last < agent["hold_cycles"][0]:
+        return HOLDING
     agent["reward"][0] = now - last
     return STEP
 
@@ -64,7 +66,7 @@ def keeper_acts(agent: Record, params: Record, choice: int) -> None:
     agent["plan_turns_neck"][0] = 0
     if status != NO_DECISION:
         action = 0
-        if status != UNKNOWN:
+        if status != UNKNOWN and status != HOLDING:
             action = agent["last_action"][0] if status == FOLLOW_THROUGH else choice
             agent["last_action"][0] = action
             agent["last_action_time"][0] = agent["now"][0]

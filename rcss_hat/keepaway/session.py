@@ -43,6 +43,8 @@ class KeepawayPlayer:
         The policy; not called for takers.
     episode_ended : callable, optional
         Called once per episode end, before the first decision that follows it.
+    hold_cycles : int
+        Cycles from a keeper's Hold to his next decision.
 
     Attributes
     ----------
@@ -62,10 +64,11 @@ class KeepawayPlayer:
         seed: int,
         decide: Decide,
         episode_ended: EpisodeEnd | None = None,
+        hold_cycles: int = 1,
     ) -> None:
         self.team = team
         self.n_keepers, self.n_takers, self.seed = n_keepers, n_takers, seed
-        self.decide, self.episode_ended = decide, episode_ended
+        self.decide, self.episode_ended, self.hold_cycles = decide, episode_ended, hold_cycles
         self.params = ServerParams()
         self.side, self.unum, self.mode = 0, 0, ""
         self.cycle, self.first_cycle, self.missed = 0, 0, 0
@@ -204,7 +207,7 @@ class KeepawayPlayer:
             return []
         if self._agent is None:
             self._agent = kernels.new_agent(
-                self.side, self.unum, self.n_keepers, self.n_takers, self._record, self.seed
+                self.side, self.unum, self.n_keepers, self.n_takers, self._record, self.seed, self.hold_cycles
             )
         agent, record = self._agent, self._record
         kernels.perceive(agent, record, self._sense, self._see, self._has_see, self._heard, self._episode_started)

@@ -66,6 +66,8 @@ class LearnerConfig:
     """Discount per decision; 1, as rewards are durations."""
     lambda_: float = 0.0
     """Decay of eligibility traces per decision (``lambda`` in files); 0: none."""
+    hold_cycles: int = 1
+    """Cycles a Hold lasts before the keeper decides again; 1: it decides in every cycle, as the players do."""
     trace_minimum: float = 0.01
     """Traces below this are dropped."""
     initial_value: float = 0.0
@@ -77,6 +79,7 @@ class LearnerConfig:
         self._one_of("widths", WIDTH_RULES)
         self._one_of("divisor", DIVISORS)
         self._between("tilings", 1, 256)
+        self._between("hold_cycles", 1, 100)
         for name in ("distance_max", "sigma", "cutoff", "alpha"):
             if not (_is_number(getattr(self, name)) and getattr(self, name) > 0.0):
                 raise ValueError(f"{name} must be a positive number, not {getattr(self, name)!r}")
@@ -91,8 +94,9 @@ class LearnerConfig:
             raise ValueError(f"initial_value must be a number of cycles, not {self.initial_value!r}")
         if not isinstance(self.normalise, bool):
             raise ValueError(f"normalise must be true or false, not {self.normalise!r}")
-        if not isinstance(self.tilings, int) or isinstance(self.tilings, bool):
-            raise ValueError(f"tilings must be an integer, not {self.tilings!r}")
+        for name in ("tilings", "hold_cycles"):
+            if not isinstance(getattr(self, name), int) or isinstance(getattr(self, name), bool):
+                raise ValueError(f"{name} must be an integer, not {getattr(self, name)!r}")
 
     def _one_of(self, name: str, known: tuple[str, ...]) -> None:
         if getattr(self, name) not in known:

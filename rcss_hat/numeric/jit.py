@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
-from numba import config
+from numba import config, types
 from numba.core.cpu import CPUTargetOptions
 
 PACKAGES = ("rcss_hat", "fake_server")
@@ -29,6 +29,8 @@ _IMPORT = re.compile(
     re.MULTILINE,
 )
 F = TypeVar("F", bound=Callable[..., Any])
+_LEAN: dict[str, Any] = {"no_cfunc_wrapper": True}  # for callers in C, of which there are none
+_SMALL_INTEGERS = (types.int8, types.uint8, types.int16, types.uint16, types.int32, types.uint32)
 _BARE: dict[str, Any] = {"error_model": "numpy"}
 if hasattr(CPUTargetOptions, "_nrt"):  # numba keeps it undocumented; without it kernels are slower, not wrong
     _BARE["_nrt"] = False
@@ -148,7 +150,28 @@ def _compile(function: F, options: dict[str, Any]) -> F:
     if not before:
         settings.CACHE_DIR = str(cache_root() / f"{module}-{fingerprint(module)}")
     try:
-        compiled: Any = numba.njit(cache=True, **options)(function)
-        return cast(F, compiled)
+        compiled: Any = numba.njit(cache=True, **_LEAN, **options)(function)
     finally:
         settings.CACHE_DIR = before
+    if not settings.DISABLE_JIT:
+        _share_overloads(compiled)
+    return cast(F, compiled)
+
+
+def _share_overloads(dispatcher: Any) -> None:
+    """Compile a kernel once for all integer types its callers in other kernels pass it.
+
+    Numba compiles a function anew for every constant and every width of integer that a compiled caller passes, which
+    here is a sixth of all compilation. Callers cast their arguments to what this returns.
+    """
+    resolve = dispatcher.get_call_template
+
+    def resolve_widened(args: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
+        return resolve(tuple(_widened(a) for a in args), {name: _widened(a) for name, a in keywords.items()})
+
+    dispatcher.get_call_template = resolve_widened
+
+
+def _widened(kind: Any) -> Any:
+    kind = types.unliteral(kind)
+    return types.int64 if kind in _SMALL_INTEGERS else kind

@@ -118,6 +118,7 @@ AGENT = np.dtype(
         ("plan_neck", "f8"),
         ("plan_turns_neck", "u1"),
         # Keepaway
+        ("hold_cycles", "i4"),  # from one Hold to the next decision
         ("status", "i4"),
         ("reward", "f8"),
         ("last_action", "i4"),

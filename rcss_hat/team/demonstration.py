@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
-from rcss_hat.keepaway.decision import Decide, EpisodeEnd, KeeperPolicy
+from rcss_hat.keepaway.decision import Decide, EpisodeEnd, KeeperPolicy, hold_cycles_of
 from rcss_hat.keepaway.report import Episode
 
 Decision = tuple[int, int, NDArray[np.float64], int]
@@ -23,7 +23,7 @@ class DemonstrationRecorder:
     """
 
     def __init__(self, writer: DemonstrationWriter, teacher: KeeperPolicy) -> None:
-        self.writer, self.teacher = writer, teacher
+        self.writer, self.teacher, self.hold_cycles = writer, teacher, hold_cycles_of(teacher)
         self._decisions: list[Decision] = []
 
     def __call__(self, number: int) -> tuple[Decide, EpisodeEnd | None]:

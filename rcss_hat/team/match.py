@@ -6,7 +6,7 @@ import asyncio
 import time
 from collections.abc import Callable
 
-from rcss_hat.keepaway.decision import KeeperPolicy
+from rcss_hat.keepaway.decision import KeeperPolicy, hold_cycles_of
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode, RunReport
 from rcss_hat.keepaway.session import KeepawayPlayer
 from rcss_hat.keepaway.task import Task
@@ -66,9 +66,12 @@ class Match:
         self.episodes, self.progress = episodes, progress
         self.players: list[KeepawayPlayer] = []
         if keepers is not None:
+            hold_cycles = hold_cycles_of(keepers)
             for number in range(task.keepers):
                 decide, ended = keepers(number)
-                self.players.append(KeepawayPlayer(KEEPERS, task.keepers, task.takers, seed, decide, ended))
+                self.players.append(
+                    KeepawayPlayer(KEEPERS, task.keepers, task.takers, seed, decide, ended, hold_cycles)
+                )
         if takers:
             self.players += [KeepawayPlayer(TAKERS, task.keepers, task.takers, seed, never) for _ in range(task.takers)]
         self.clients = [PlayerClient(player, host, port) for player in self.players]

@@ -33,7 +33,7 @@ def _run_player(pipe: Pipe, task: Task, host: str, port: int, seed: int, policy:
         team = load_policy(policy, task.keepers, task.takers, seed)
         team.warm_up()
         decide, ended = team(number)
-        player = KeepawayPlayer(KEEPERS, task.keepers, task.takers, seed, decide, ended)
+        player = KeepawayPlayer(KEEPERS, task.keepers, task.takers, seed, decide, ended, team.hold_cycles)
     else:
         player = KeepawayPlayer(TAKERS, task.keepers, task.takers, seed, never)
     player.prepare()

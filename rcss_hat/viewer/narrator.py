@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from rcss_hat.keepaway.decision import hold_cycles_of
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.viewer.episodes import EpisodeTracker
 from rcss_hat.viewer.frames import Choice, Frame, Setup, Snapshot, action_name
@@ -70,6 +71,7 @@ class Insight:
 
             return note, ended
 
+        noted.hold_cycles = hold_cycles_of(policy)  # type: ignore[attr-defined]
         return noted
 
     def thought(self, keeper: int, time: int) -> Thought | None:

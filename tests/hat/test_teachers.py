@@ -10,9 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcss_hat.hat.teachers import HISTORY, STYLES, ScriptedTeacher, Teacher, style, teach
+from rcss_hat.hat.teachers import MAX_DELAY, STYLES, ScriptedTeacher, Teacher, style, teach
 
-CALM = Teacher(delay=4.0, delay_spread=0.0, misjudgement=0.0, pass_distance=5.0, panic_distance=1.0, open_lane=20.0)
+CALM = Teacher(
+    delay=4.0, delay_spread=0.0, anticipation=0.0, misjudgement=0.0, pass_distance=5.0, panic_distance=1.0, open=40.0,
+    space_weight=2.0,
+)  # fmt: skip
 """Reacts after exactly four cycles and makes no error."""
 
 KEEPERS = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 12.0]])
@@ -65,9 +68,9 @@ def test_late_and_early_passers(distance: float, key: int) -> None:
     assert settled(teacher, takers) == key
 
 
-def test_wide_lane_is_used_at_once() -> None:
-    assert settled(Teacher(wide_lane=100.0, misjudgement=0.0), FAR) != 0
-    assert settled(Teacher(wide_lane=175.0, misjudgement=0.0), FAR) == 0
+def test_a_team_mate_wide_open_gets_the_ball_at_once() -> None:
+    assert settled(Teacher(wide_open=100.0, misjudgement=0.0), FAR) != 0
+    assert settled(Teacher(wide_open=400.0, misjudgement=0.0), FAR) == 0
 
 
 def test_preference_for_far_or_near_team_mates() -> None:
@@ -84,9 +87,9 @@ def test_limited_teacher_never_passes_to_the_farther_one() -> None:
 # --- reaction ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("delay", [0, 1, 4, 20, HISTORY - 1])
+@pytest.mark.parametrize("delay", [0, 1, 4, 20, MAX_DELAY])
 def test_reaction_time(delay: int) -> None:
-    teacher = ScriptedTeacher(Teacher(delay=delay, delay_spread=0.0, misjudgement=0.0), 0)
+    teacher = ScriptedTeacher(Teacher(delay=delay, delay_spread=0.0, anticipation=0.0, misjudgement=0.0), 0)
     assert not any(keys(teacher, FAR, range(100)))
     answers = keys(teacher, ON_NEAR_LANE, range(100, 200))
     assert answers == [0] * delay + [2] * (100 - delay)
@@ -96,15 +99,35 @@ def test_nothing_is_pressed_before_the_first_picture_has_sunk_in() -> None:
     assert keys(ScriptedTeacher(CALM, 0), ON_NEAR_LANE, range(6)) == [0, 0, 0, 0, 2, 2]
 
 
-def test_reaction_time_counts_from_reception() -> None:
+def test_the_receiver_of_a_pass_is_known_but_not_what_has_happened_around_him_since() -> None:
     teacher = ScriptedTeacher(CALM, 0)
     keys(teacher, ON_NEAR_LANE, range(10))
     takers = np.array([[10.0, 3.0], [-12.0, -8.0]])
     on_its_way = [teacher(10 + k, np.array([2.0 + 2.0 * k, 0.0]), KEEPERS, takers) for k in range(3)]
     received = [teacher(13 + k, np.array([9.6, 0.0]), KEEPERS, takers) for k in range(10)]
     assert on_its_way == [2, 2, 2]  # the hand is still busy with what it saw before
-    assert received[:4] == [0] * 4
-    assert all(received[4:])
+    assert received[0] == 0  # four cycles ago nobody was near the receiver
+    assert all(received[1:])
+
+
+@pytest.mark.parametrize("delay", [2, 5, 8])
+def test_anticipation_makes_up_for_the_reaction_time(delay: int) -> None:
+    """Against a taker who runs straight, one who anticipates fully reacts as if at once."""
+
+    def first_key(anticipation: float) -> int:
+        habits = Teacher(
+            delay=delay, delay_spread=0.0, anticipation=anticipation, misjudgement=0.0, pass_distance=4.0, open=0.0
+        )
+        teacher = ScriptedTeacher(habits, 0)
+        pressed = []
+        for cycle in range(60):
+            takers = np.array([[-20.0 + 0.5 * cycle, 0.1], [-12.0, -8.0]])
+            pressed.append(teacher(cycle, BALL, KEEPERS, takers))
+        return next(cycle for cycle, key in enumerate(pressed) if key)
+
+    assert first_key(1.0) == 33  # the first cycle in which he is nearer than 4 m
+    assert first_key(0.0) == 33 + delay
+    assert 33 < first_key(0.5) < 33 + delay
 
 
 def test_reaction_times_differ_between_possessions() -> None:
@@ -224,10 +247,11 @@ def test_style_by_name() -> None:
     ("habits", "message"),
     [
         ({"delay": 1.0, "delay_spread": 2.0}, "delay - delay_spread must be 0 or more"),
-        ({"delay": 63.0}, "at most 63 cycles, not 63 and 1"),
+        ({"delay": 61.0}, "at most 61 cycles, not 61 and 1"),
         ({"slip": 1.5}, "slip is a probability from 0 to 1, not 1.5"),
         ({"lapse": -0.1}, "lapse is a probability"),
-        ({"open_lane": -1.0}, "open_lane must be 0 or more, not -1"),
+        ({"open": -1.0}, "open must be 0 or more, not -1"),
+        ({"anticipation": 1.5}, "anticipation is a share from 0 to 1, not 1.5"),
         ({"max_action": 0}, r"max_action must be 1 \(Hold and PASS1\) to 10, not 0"),
     ],
 )
