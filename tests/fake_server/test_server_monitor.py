@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-import time
 import zlib
 
 import numpy as np
 import pytest
-from server_clients import PATIENCE, Client, Clients, keepaway, options, serving
+from server_clients import Client, Clients, keepaway, options, serving, wait_for
 
 from fake_server import binary
 
@@ -106,10 +105,7 @@ def test_a_message_without_nul(clients: Clients) -> None:
 def test_goodbye(clients: Clients) -> None:
     monitor = clients.monitor()
     monitor.send("(dispbye)")
-    give_up = time.monotonic() + PATIENCE
-    while clients.server.monitors and time.monotonic() < give_up:
-        time.sleep(0.01)
-    assert clients.server.monitors == []
+    wait_for(lambda: clients.server.monitors == [])
 
 
 def test_placing_players_dropping_the_ball_and_discarding() -> None:

@@ -18,6 +18,7 @@ from server_clients import FAST, PATIENCE, Client, Clients, keepaway, serving, w
 from fake_server.clock import SynchClock, Timing
 from fake_server.player_client import PlayerClient
 from fake_server.server import Server
+from fake_server.trainer import TrainerClient
 from fake_server.warm_up import warm_up
 from rcss_hat.keepaway.report import read_kwy
 
@@ -287,18 +288,22 @@ def test_who_answered_while_the_server_was_busy_has_not_missed(
     assert "missed" not in capfd.readouterr().err
 
 
-def test_a_client_that_dies_costs_one_wait() -> None:
-    with serving(keepaway(), Timing(patience=0.5, pause=0.0)) as clients:
-        stays, dies = clients.player(), clients.player()
-        stays.send("(done)")
-        dies.until(r"\(think\)")
-        dies.close()  # nobody notices before something is sent to it
-        started = time.monotonic()
-        for _ in range(12):
-            stays.until(r"\(think\)")
+def test_who_dies_while_he_thinks_costs_one_wait(capfd: pytest.CaptureFixture[str]) -> None:
+    with by_hand(Timing(patience=0.0, pause=0.0)) as (server, clock, (stays, dies)):
+        ask = server.start_thinking
+
+        def ask_and_die() -> list[PlayerClient | TrainerClient]:
+            thinkers = ask()
+            dies.close()  # nobody notices before something is sent to him
+            return thinkers
+
+        server.start_thinking = ask_and_die  # type: ignore[method-assign]
+        server.hold = lambda: None  # type: ignore[method-assign]  # (think) reaches him before he dies
+        for _ in range(5):
             stays.send("(done)")
-        assert time.monotonic() - started < 3.0
-        assert clients.server.players[1] is None
+            clock.cycle()
+        assert [player and player.who for player in server.players[:2]] == ["keepers_1", None]
+    assert capfd.readouterr().err == "Someone missed a cycle at 1\n"
 
 
 def test_goodbye_counts_as_done() -> None:
