@@ -173,19 +173,19 @@ class Teacher:
 
 
 _B = Teacher(
-    delay=1.5, delay_spread=1.0, anticipation=0.6, pass_distance=5.0, panic_distance=1.5, open=72.0, space_weight=3.0,
-    far_bonus=43.0, misjudgement=0.03, lapse=0.01, slip=0.005,
+    delay=2.5, delay_spread=1.0, anticipation=0.6, pass_distance=6.5, panic_distance=1.5, open=72.0, space_weight=3.0,
+    far_bonus=46.0, misjudgement=0.03, lapse=0.01, slip=0.005,
 )  # fmt: skip
 
 STYLES: Mapping[str, Teacher] = MappingProxyType(
     {
         "A": Teacher(
-            delay=2.0, delay_spread=1.0, anticipation=0.75, pass_distance=4.0, panic_distance=0.8, open=70.0,
+            delay=4.0, delay_spread=1.0, anticipation=0.75, pass_distance=4.0, panic_distance=0.8, open=70.0,
             space_weight=3.0, far_bonus=0.0, misjudgement=0.03, lapse=0.01, slip=0.005,
         ),
         "B": _B,
         "C": Teacher(
-            delay=1.0, delay_spread=1.0, anticipation=0.8, pass_distance=4.4, panic_distance=0.5, open=66.0,
+            delay=3.0, delay_spread=1.0, anticipation=0.8, pass_distance=4.4, panic_distance=0.5, open=66.0,
             space_weight=2.0, far_bonus=-10.0, misjudgement=0.06, lapse=0.02, slip=0.01,
         ),
         "B-fast": _B.fast(),
