@@ -78,6 +78,19 @@ class Connection:
         stream = await asyncio_dgram.from_socket(self._socket)
         assert isinstance(stream, DatagramServer)  # not connected yet
         self._stream = stream
+        try:
+            reply, sender = await self._ask(stream, first, address, attempts, pause)
+        except BaseException:
+            self.close()
+            raise
+        self._socket.connect(sender)
+        self.server = sender
+        return reply
+
+    async def _ask(
+        self, stream: DatagramServer, first: bytes, address: Any, attempts: int, pause: float
+    ) -> tuple[bytes, tuple[str, int]]:
+        """Send the first datagram until its address's host answers; returns the reply and where it came from."""
         for _ in range(attempts):
             await stream.send(first, address)
             try:
@@ -87,11 +100,9 @@ class Connection:
             except OSError:
                 await asyncio.sleep(pause)
                 continue
-            if sender[0] != address[0]:
-                continue
-            self._socket.connect(sender)
-            self.server = sender
-            return reply
+            if sender[0] == address[0]:
+                return reply, sender
+        host, port = self.server
         raise ServerGone(
             f"{self.name}: no server answers at {host}:{port} (waited {attempts * pause:.0f} s); is it running there?"
         )

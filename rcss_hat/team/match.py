@@ -28,6 +28,12 @@ def never(cycle: int, status: int, reward: float, state: object) -> int:
     raise AssertionError("takers take no decisions")
 
 
+def cycles_played(player: KeepawayPlayer) -> int:
+    """Cycles since a player took part; the end of an episode is heard before the cycle's sense_body."""
+    last = player.episodes[-1][0] if player.episodes else 0
+    return max(0, max(player.cycle, last) - player.first_cycle)
+
+
 class Match:
     """Players in this process on one server.
 
@@ -92,8 +98,7 @@ class Match:
     @property
     def cycles(self) -> int:
         """Cycles played since the first player took part."""
-        player = self.players[0]
-        return max(0, player.cycle - player.first_cycle)
+        return cycles_played(self.players[0])
 
     @property
     def missed(self) -> int:
@@ -110,15 +115,20 @@ class Match:
             if self.on_episode is not None and (self.episodes is None or n <= self.episodes):
                 self.on_episode(self.finished_episodes()[-1])
             if self.progress is not None:
-                self.progress(n, player.cycle)
+                self.progress(n, cycles_played(player))
             if self.episodes is not None and n >= self.episodes:
                 self._finished.set()
 
     async def connect(self) -> None:
         """Compile, then connect everybody in order: keepers first, for the server gives the left side to them."""
         self.players[0].prepare()
-        for client in self.clients:
-            await client.connect()
+        try:
+            for client in self.clients:
+                await client.connect()
+        except BaseException:
+            for client in self.clients:
+                client.connection.close()
+            raise
         self.clients[0].on_message = self._heard
 
     async def play(self, kick_off: bool, server: ServerProcess | None = None) -> None:

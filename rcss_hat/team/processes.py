@@ -16,7 +16,7 @@ from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.team.client import PlayerClient
 from rcss_hat.team.connection import ServerGone
 from rcss_hat.team.kickoff import Referee
-from rcss_hat.team.match import COMPILING, KEEPERS, TAKERS, Progress, never
+from rcss_hat.team.match import COMPILING, KEEPERS, TAKERS, Progress, cycles_played, never
 from rcss_hat.team.servers import ServerFailed, ServerProcess
 
 PATIENCE = 120.0
@@ -50,7 +50,7 @@ def _run_player(pipe: Pipe, task: Task, host: str, port: int, seed: int, policy:
             nonlocal told
             if len(player.episodes) > told:
                 told = len(player.episodes)
-                pipe.send(("episodes", player.first_cycle, player.cycle, player.missed, player.episodes[-1]))
+                pipe.send(("episodes", player.first_cycle, cycles_played(player), player.missed, player.episodes[-1]))
 
         client.on_message = report if number == 0 else None
         await client.run()

@@ -134,7 +134,10 @@ def test_waiting_for_players_who_never_come_has_an_end() -> None:
     async def wait(port: int) -> None:
         referee = Referee("127.0.0.1", port)
         await referee.connect()
-        await referee.wait_for(3, 2, patience=0.5)
+        try:
+            await referee.wait_for(3, 2, patience=0.5)
+        finally:
+            referee.connection.close()
 
     with running_server(parse_options(options)) as server, pytest.raises(ServerGone, match="0 and 0 came"):
         asyncio.run(wait(server.port))
