@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder.  [default: results/STUDY]")
 @click.option("--trials", type=click.IntRange(1), default=None, help="Instead of those of the study.")
 @click.option("--hours", type=click.FloatRange(0, min_open=True), default=None, help="Instead of those of the study.")
+@click.option("--learner", metavar="PRESET|FILE", default=None, help="Instead of those of the study.")
 @click.option("--only", multiple=True, metavar="CONDITION", help="Some conditions only; repeatable.")
 @click.option("--jobs", type=click.IntRange(1), default=None, help="Trials at a time here.  [default: all cores]")
 @click.option("--dask", metavar="ADDRESS", default=None, help="Scheduler of a Dask cluster to run the trials on.")
@@ -35,6 +36,7 @@ def experiment(
     out: Path | None,
     trials: int | None,
     hours: float | None,
+    learner: str | None,
     only: tuple[str, ...],
     jobs: int | None,
     dask: str | None,
@@ -62,7 +64,7 @@ def experiment(
     processes = jobs or os.cpu_count() or 1
     command = shlex.join(["rcss-hat", *sys.argv[1:]]) if sys.argv[1:2] == ["experiment"] else ""
     try:
-        run = Experiment.create(study, folder, trials, hours, only, command)
+        run = Experiment.create(study, folder, trials, hours, only, command, learner)
     except StudyError as error:
         raise click.UsageError(str(error)) from error
     except ExperimentError as error:

@@ -80,6 +80,7 @@ class Experiment:
         hours: float | None = None,
         only: tuple[str, ...] = (),
         command: str = "",
+        learner: str | None = None,
     ) -> Experiment:
         """Begin an experiment, or go on with the one in the folder.
 
@@ -94,6 +95,8 @@ class Experiment:
             Names of conditions; by default all.
         command : str
             How this was asked for, for the report.
+        learner : str, optional
+            A preset or file, instead of the learners in the study.
 
         Raises
         ------
@@ -107,7 +110,7 @@ class Experiment:
         known = _read_info(folder) if (folder / INFO).exists() else None
         if known is None and folder.exists() and any(folder.iterdir()):
             raise ExperimentError(f"{folder} is not empty and holds no experiment; give another folder")
-        asked = {"trials": trials, "hours": hours, "only": list(only)}
+        asked = {"trials": trials, "hours": hours, "only": list(only), "learner": learner}
         info = {
             "format": FORMAT,
             "version": VERSION,
@@ -309,6 +312,8 @@ def _processor() -> str:
 def _as_asked(study: Study, info: dict[str, Any]) -> Study:
     if info["only"]:
         study = study.chosen(tuple(info["only"]))
+    if info.get("learner"):
+        study = study.learned_by(info["learner"])
     return study.scaled(info["trials"], info["hours"])
 
 

@@ -324,6 +324,26 @@ class Study:
             )
         return replace(self, conditions=changed)
 
+    def learned_by(self, learner: str) -> Study:
+        """Return the study with another learner in all conditions.
+
+        Parameters
+        ----------
+        learner : str
+            A preset, or a ``.toml`` file. Settings that conditions change are changed in it no more.
+
+        Raises
+        ------
+        StudyError
+            When there is no such learner.
+        """
+        try:
+            config = load_config(learner)
+        except (ValueError, FileNotFoundError) as problem:
+            raise StudyError(f"learner: {problem}") from problem
+        conditions = {name: replace(condition, learner=config) for name, condition in self.conditions.items()}
+        return replace(self, conditions=conditions)
+
     def chosen(self, names: tuple[str, ...]) -> Study:
         """Return the study with some of its conditions only.
 

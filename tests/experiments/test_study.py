@@ -8,6 +8,7 @@ import pytest
 
 from rcss_hat.experiments.study import StudyError, load_study, parse_study, study_names
 from rcss_hat.hat.transfer import PPR, ExtraAction, NoPrior, ValueBonus
+from rcss_hat.learning.config import load_config
 
 SMALL = """
 title = "Small"
@@ -84,6 +85,13 @@ def test_scaling_keeps_the_share_of_rounds_and_the_trials_of_samples() -> None:
     assert sampled.conditions["no-prior"].trials == 3 and sampled.conditions["set-150"].trials == 1
     pools = [spec.of[0] for name, spec in sampled.sets.items() if name.startswith("set-")]
     assert {pool: pools.count(pool) for pool in pools} == dict.fromkeys(["A", "B", "C", "B-limited", "B-fast"], 30)
+
+
+def test_another_learner_for_all_conditions() -> None:
+    study = parse_study(SMALL, Path()).learned_by("best")
+    assert {c.learner for c in study.conditions.values()} == {load_config("best")}
+    with pytest.raises(StudyError, match="learner: no learner preset 'worst'; there are best, cmac, paper"):
+        study.learned_by("worst")
 
 
 def test_some_conditions_can_be_chosen() -> None:
