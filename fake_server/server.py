@@ -196,16 +196,21 @@ class Server:
         self._remove_disconnected()
 
     def hold(self) -> None:
-        """Keep all messages to players until `release`."""
-        for player in self.players:
-            if player is not None:
-                player.connection.hold()
+        """Keep all messages to players and trainer until `release`."""
+        for connection in self._thinking():
+            connection.hold()
 
     def release(self) -> None:
-        """Send every player what was kept, in a burst."""
+        """Send every player and the trainer what was kept, in a burst."""
+        for connection in self._thinking():
+            connection.release()
+
+    def _thinking(self) -> Iterator[Connection]:
         for player in self.players:
             if player is not None:
-                player.connection.release()
+                yield player.connection
+        if self.trainer is not None and self.trainer.connection is not None:
+            yield self.trainer.connection
 
     def start_thinking(self) -> list[PlayerClient | TrainerClient]:
         """Ask everybody to think who was told of a step; returns those who have to answer.

@@ -17,6 +17,8 @@ from rcss_hat.protocol.params import PROFILES
 
 F = TypeVar("F", bound=Callable[..., Any])
 ARENA, FAKE, REAL = "arena", "fake", "real"
+SERVER, TRAINER = "server", "trainer"
+"""Who referees."""
 
 
 def task_options(function: F) -> F:

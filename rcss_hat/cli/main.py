@@ -14,6 +14,7 @@ COMMANDS = {
     "play": ("rcss_hat.cli.play", "Play Keepaway with both teams and report the episodes."),
     "keepers": ("rcss_hat.cli.teams", "Launch the keepers against a running server."),
     "takers": ("rcss_hat.cli.teams", "Launch the takers against a running server."),
+    "referee": ("rcss_hat.cli.referee", "Referee Keepaway as a trainer, on servers without Keepaway mode."),
     "server": ("rcss_hat.cli.server", "Run a real or fake rcssserver with Keepaway options."),
     "record": ("rcss_hat.cli.record", "Record everything said between clients and a server."),
     "demonstrate": ("rcss_hat.cli.demonstrate", "Record demonstrations of a teacher."),

@@ -8,7 +8,18 @@ from pathlib import Path
 
 import click
 
-from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, plain_errors, progress_bar, stage_text, task_options
+from rcss_hat.cli.common import (
+    ARENA,
+    FAKE,
+    REAL,
+    SERVER,
+    TRAINER,
+    Stage,
+    plain_errors,
+    progress_bar,
+    stage_text,
+    task_options,
+)
 from rcss_hat.keepaway.report import RunReport, kwy_text
 from rcss_hat.keepaway.task import Task
 
@@ -22,6 +33,19 @@ from rcss_hat.keepaway.task import Task
 @click.option("--kwy", type=click.Path(dir_okay=False, path_type=Path), help="Write the Keepaway log there.")
 @click.option("--processes", is_flag=True, help="One process per player instead of one for all.")
 @click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
+@click.option(
+    "--referee",
+    type=click.Choice([SERVER, TRAINER]),
+    default=SERVER,
+    show_default=True,
+    help="Who ends and starts episodes: the server, or a trainer of ours (for servers without Keepaway mode).",
+)
+@click.option(
+    "--coach-port",
+    type=click.IntRange(1, 65535),
+    default=None,
+    help="Where a running server listens for trainers.  [default: the port behind the players']",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
 @task_options
@@ -35,6 +59,8 @@ def play(
     kwy: Path | None,
     processes: bool,
     executable: str | None,
+    referee: str,
+    coach_port: int | None,
     as_json: bool,
     quiet: bool,
 ) -> None:
@@ -44,10 +70,13 @@ def play(
     Example:
       rcss-hat play --on fake --keepers hand --episodes 100 --seed 1
       rcss-hat play --on localhost:6000 --keepers rules.json --episodes 50 --json
+      rcss-hat play --on localhost:6000 --referee trainer   # a server with server::coach=1
     """
     from rcss_hat.cli.stages import play_in_processes_on_stage, play_on_stage
     from rcss_hat.hat.policy import PolicyError, load_policy
 
+    if referee == TRAINER and stage == ARENA:
+        raise click.UsageError("a trainer referees on a server, not in the arena")
     if seed is None:
         seed = secrets.randbelow(2**31)
     try:
@@ -63,10 +92,11 @@ def play(
         def show(finished: int, cycle: int) -> None:
             update(finished)
 
+        trainer = None if referee == SERVER else coach_port or 0
         if processes and stage != ARENA:
-            play_in_processes_on_stage(report, task, seed, policy, stage, episodes, executable, show)
+            play_in_processes_on_stage(report, task, seed, policy, stage, episodes, executable, show, trainer)
         else:
-            play_on_stage(report, task, seed, policy, stage, episodes, executable, show)
+            play_on_stage(report, task, seed, policy, stage, episodes, executable, show, trainer)
     if kwy is not None:
         kwy.parent.mkdir(parents=True, exist_ok=True)
         kwy.write_text(kwy_text(report.episodes, task.keepers, task.takers, task.length, task.width))

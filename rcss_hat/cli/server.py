@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from rcss_hat.cli.common import fail, plain_errors, task_options
+from rcss_hat.cli.common import SERVER, TRAINER, fail, plain_errors, task_options
 from rcss_hat.keepaway.task import Task
 
 
@@ -21,9 +21,23 @@ from rcss_hat.keepaway.task import Task
 @click.option("--seed", type=click.IntRange(0), default=None, help="Of the fake server.")
 @click.option("--folder", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="Where logs go.")
 @click.option("--real-time", is_flag=True, help="100 ms cycles instead of synch mode.")
+@click.option(
+    "--referee",
+    type=click.Choice([SERVER, TRAINER]),
+    default=SERVER,
+    show_default=True,
+    help="Who referees: trainer leaves it to one who connects ('rcss-hat referee').",
+)
 @task_options
 def server(
-    task: Task, real: bool, executable: str | None, port: int, seed: int | None, folder: Path, real_time: bool
+    task: Task,
+    real: bool,
+    executable: str | None,
+    port: int,
+    seed: int | None,
+    folder: Path,
+    real_time: bool,
+    referee: str,
 ) -> None:
     """Run a real or fake rcssserver with Keepaway options until Ctrl-C.
 
@@ -32,6 +46,7 @@ def server(
       rcss-hat server --fake --port 6000 --seed 1
       rcss-hat server --real --executable ./rcssserver --real-time
     """
+    from rcss_hat.team.options import REFEREED_BY_TRAINER
     from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
 
     found = None
@@ -39,10 +54,11 @@ def server(
         found = find_executable(executable)
         if found is None:
             fail(f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --fake")
+    whistle = REFEREED_BY_TRAINER if referee == TRAINER else {}
     folder.mkdir(parents=True, exist_ok=True)
 
     async def run() -> None:
-        process = ServerProcess(task, seed, found, folder.resolve(), port=port, synch_mode=not real_time)
+        process = ServerProcess(task, seed, found, folder.resolve(), port=port, synch_mode=not real_time, **whistle)
         async with process:
             await process.answers()
             click.echo(f"{'rcssserver' if found else 'fake rcssserver'} answers on port {port}", err=True)

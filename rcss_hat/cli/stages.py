@@ -14,6 +14,7 @@ from rcss_hat.protocol.params import Value
 
 if TYPE_CHECKING:
     from rcss_hat.team.servers import ServerProcess
+    from rcss_hat.team.trainer import TrainerClient
 
 ENDLESS = 10**9
 INTERRUPTED = "interrupted"
@@ -28,6 +29,7 @@ def play_on_stage(
     episodes: int,
     executable: str | None = None,
     progress: Callable[[int, int], None] | None = None,
+    trainer: int | None = None,
 ) -> None:
     """Play a number of episodes with both teams and fill a report.
 
@@ -42,6 +44,9 @@ def play_on_stage(
         The rcssserver for the stage ``real``.
     progress : callable, optional
         Told (episodes finished, cycle).
+    trainer : int, optional
+        A trainer of ours referees instead of the server; it connects to this port of a running server (0: the one
+        behind the players' port). Not in the arena.
 
     Raises
     ------
@@ -60,7 +65,7 @@ def play_on_stage(
             progress(finished, cycle)
         return False
 
-    play_over_udp(report, task, seed, policy, stage, told, episodes, executable)
+    play_over_udp(report, task, seed, policy, stage, told, episodes, executable, trainer)
 
 
 def play_over_udp(
@@ -72,6 +77,7 @@ def play_over_udp(
     episode_ended: Callable[[int, int], bool],
     episodes: int = ENDLESS,
     executable: str | None = None,
+    trainer: int | None = None,
 ) -> None:
     """Play on a server until so many episodes have ended, or a function says that it is enough.
 
@@ -79,14 +85,16 @@ def play_over_udp(
     ----------
     episode_ended : callable
         Told (episodes finished, cycle) after every episode; true ends the match.
-    report, task, seed, policy, stage, episodes, executable
+    report, task, seed, policy, stage, episodes, executable, trainer
         See `play_on_stage`.
     """
     from rcss_hat.team.match import play
+    from rcss_hat.team.options import REFEREED_BY_TRAINER
 
     tell_of_compilation("rcss_hat.keepaway.agent")
     policy.warm_up()
-    server = own_server(task, seed, stage, executable)
+    server = own_server(task, seed, stage, executable, **(REFEREED_BY_TRAINER if trainer is not None else {}))
+    address = stage if isinstance(stage, tuple) else None
     enough = False
 
     async def run() -> None:
@@ -99,7 +107,8 @@ def play_over_udp(
                 enough = True
                 match.cancel()
 
-        await play(report, task, seed, policy, episodes, server, stage if isinstance(stage, tuple) else None, ended)
+        whistle = own_trainer(task, seed, server, address, trainer)
+        await play(report, task, seed, policy, episodes, server, address, ended, trainer=whistle)
 
     try:
         asyncio.run(run())
@@ -110,6 +119,18 @@ def play_over_udp(
             server.clean()
     if enough and report.failure == INTERRUPTED:
         report.failure = None
+
+
+def own_trainer(
+    task: Task, seed: int, server: ServerProcess | None, address: tuple[str, int] | None, port: int | None
+) -> TrainerClient | None:
+    """Return the trainer that referees instead of the server, not connected yet; None for port None."""
+    from rcss_hat.team.trainer import TrainerClient
+
+    if port is None:
+        return None
+    host, players = (server.host, server.port) if server is not None else address or ("127.0.0.1", 6000)
+    return TrainerClient(task, host, port or players + 1, seed)
 
 
 def own_server(
@@ -143,14 +164,21 @@ def play_in_processes_on_stage(
     episodes: int,
     executable: str | None = None,
     progress: Callable[[int, int], None] | None = None,
+    trainer: int | None = None,
 ) -> None:
     """Play over UDP as `play_on_stage` does, every player in a process of its own."""
+    from rcss_hat.team.options import REFEREED_BY_TRAINER
     from rcss_hat.team.processes import play_in_processes
 
-    server = own_server(task, seed, stage, executable)
+    server = own_server(task, seed, stage, executable, **(REFEREED_BY_TRAINER if trainer is not None else {}))
     address = stage if isinstance(stage, tuple) else None
+
+    async def run() -> None:
+        whistle = own_trainer(task, seed, server, address, trainer)
+        await play_in_processes(report, task, seed, policy, episodes, server, address, progress, whistle)
+
     try:
-        asyncio.run(play_in_processes(report, task, seed, policy, episodes, server, address, progress))
+        asyncio.run(run())
     except KeyboardInterrupt:
         report.failure = report.failure or INTERRUPTED
     finally:

@@ -71,7 +71,13 @@ def kwy_text(episodes: Iterable[Episode], keepers: int, takers: int, length: flo
         "# 1) Episode number\n# 2) Start time in simulator steps (100ms)\n# 3) End time in simulator steps (100ms)\n"
         "# 4) Duration in simulator steps (100ms)\n# 5) (o)ut of bounds / (t)aken away\n#\n"
     )
-    return header + "".join(f"{e.number}\t{e.start}\t{e.end}\t{e.cycles}\t{e.reason}\n" for e in episodes)
+    return header + "".join(kwy_line(episode) for episode in episodes)
+
+
+def kwy_line(episode: Episode) -> str:
+    """Write one episode as rcssserver's Keepaway log does."""
+    e = episode
+    return f"{e.number}\t{e.start}\t{e.end}\t{e.cycles}\t{e.reason}\n"
 
 
 def mean_and_ci95(values: Sequence[float]) -> tuple[float, float]:

@@ -164,12 +164,17 @@ class KeepawayPlayer:
             event = messages.parse(data)
             if isinstance(event, messages.Hear) and event.source == "referee":
                 self._referee(event)
+            elif isinstance(event, messages.Hear) and event.source == "coach":
+                self._end_episode(event.time)  # whatever a trainer says means this, as to the original players
+
+    def _end_episode(self, cycle: int) -> None:
+        taken = self._agent is not None and bool(self._agent["taken_guess"][0])
+        self.episodes.append((cycle, taken))
+        self._episode_started = True
 
     def _referee(self, event: messages.Hear) -> None:
         if event.text == EPISODE_END:
-            taken = self._agent is not None and bool(self._agent["taken_guess"][0])
-            self.episodes.append((event.time, taken))
-            self._episode_started = True
+            self._end_episode(event.time)
         elif event.text == "play_on":
             if not self.playing:
                 self._episode_started = True

@@ -14,7 +14,9 @@ from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.team.client import PlayerClient
 from rcss_hat.team.connection import ServerGone
 from rcss_hat.team.kickoff import Referee
+from rcss_hat.team.refereeing import WrongServer
 from rcss_hat.team.servers import ServerFailed, ServerProcess
+from rcss_hat.team.trainer import TrainerClient, unless_one_fails
 
 COMPILING = 180.0
 """Seconds a server of ours may take to answer for the first time: it may have to compile."""
@@ -32,6 +34,15 @@ def cycles_played(player: KeepawayPlayer) -> int:
     """Cycles since a player took part; the end of an episode is heard before the cycle's sense_body."""
     last = player.episodes[-1][0] if player.episodes else 0
     return max(0, max(player.cycle, last) - player.first_cycle)
+
+
+def check_keepaway(player: KeepawayPlayer) -> None:
+    """Raise WrongServer when the match that has begun is not Keepaway."""
+    if player.mode.startswith("kick_off_"):
+        raise WrongServer(
+            "the server has kicked off soccer, not Keepaway; start it with server::keepaway=1 (one older than 14 with "
+            "server::keepaway_start=SECONDS too), or with server::coach=1 for --referee trainer"
+        )
 
 
 class Match:
@@ -109,6 +120,7 @@ class Match:
         await self._finished.wait()
 
     def _heard(self, player: KeepawayPlayer) -> None:
+        check_keepaway(player)
         n = len(player.episodes)
         if n > self._counted:
             self._counted = n
@@ -131,7 +143,9 @@ class Match:
             raise
         self.clients[0].on_message = self._heard
 
-    async def play(self, kick_off: bool, server: ServerProcess | None = None) -> None:
+    async def play(
+        self, kick_off: bool, server: ServerProcess | None = None, trainer: TrainerClient | None = None
+    ) -> None:
         """Play until the number of episodes is reached.
 
         Parameters
@@ -140,10 +154,12 @@ class Match:
             Start the match as a monitor would.
         server : ServerProcess, optional
             Watched: when it ends, so does the match.
+        trainer : TrainerClient, optional
+            Starts and referees the match instead of the server.
 
         Raises
         ------
-        ServerGone, ServerFailed, RemoteProtocolError
+        ServerGone, ServerFailed, WrongServer, RemoteProtocolError
             What ended the match early, naming who noticed.
         """
         tasks = [asyncio.create_task(client.run(), name=client.player.name) for client in self.clients]
@@ -152,10 +168,15 @@ class Match:
             tasks.append(asyncio.create_task(server.ended(), name="server"))
         referee = Referee(self.host, self.port)
         try:
-            if kick_off:
+            if trainer is not None:
+                await trainer.connect()
+                tasks.append(asyncio.create_task(trainer.run(), name="trainer"))
+                await unless_one_fails(trainer.wait_for_start(), tasks)
+            elif kick_off:
                 await referee.connect()
                 await referee.wait_for(self.task.keepers, self.task.takers)
-                await referee.kick_off()
+                if not (referee.old and self.players[0].params.number("keepaway_start") >= 0):
+                    await referee.kick_off()
                 await referee.leave()
             self.started = time.monotonic()
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -168,11 +189,27 @@ class Match:
             for client in self.clients:
                 await client.close()
             referee.connection.close()
+            if trainer is not None:
+                trainer.close()
 
 
-def _as_logged(episode: Episode, server: ServerProcess | None) -> Episode:
+def _as_logged(episode: Episode, server: ServerProcess | None, trainer: TrainerClient | None) -> Episode:
+    """Return an episode that a player heard end as who referees it has logged it."""
+    if trainer is not None:
+        return next((e for e in trainer.trainer.episodes if e.number == episode.number), episode)
     logged = server.episodes() if server is not None else []
     return next((e for e in logged if e.number == episode.number and e.end == episode.end), episode)
+
+
+def refereed(
+    heard: list[Episode], server: ServerProcess | None, trainer: TrainerClient | None, episodes: int | None
+) -> list[Episode]:
+    """Return the episodes as the referee knows them; as the players heard them where nobody else does."""
+    logged = server.episodes() if server is not None and trainer is None else []
+    if trainer is not None:
+        logged = trainer.trainer.episodes
+    logged = logged[:episodes]
+    return logged if len(logged) >= len(heard) else heard
 
 
 async def play(
@@ -185,6 +222,7 @@ async def play(
     address: tuple[str, int] | None,
     progress: Progress | None = None,
     on_episode: Callable[[Episode], None] | None = None,
+    trainer: TrainerClient | None = None,
 ) -> None:
     """Play both teams, on a server of our own or on one that runs already, and fill a report.
 
@@ -202,18 +240,20 @@ async def play(
         Of a running server; used when ``server`` is None.
     on_episode : callable, optional
         Called with every finished episode; its reason is the server's where the server is ours.
+    trainer : TrainerClient, optional
+        Referees instead of the server.
     """
     host, port = (server.host, server.port) if server is not None else address or ("127.0.0.1", 6000)
     match = Match(task, host, port, seed, keepers, True, episodes, progress)
     if on_episode is not None:
-        match.on_episode = lambda episode: on_episode(_as_logged(episode, server))
+        match.on_episode = lambda episode: on_episode(_as_logged(episode, server, trainer))
     try:
         if server is not None:
             await server.start()
             await server.answers(COMPILING)
         await match.connect()
-        await match.play(kick_off=True, server=server)
-    except (ServerGone, ServerFailed, RemoteProtocolError) as error:
+        await match.play(kick_off=True, server=server, trainer=trainer)
+    except (ServerGone, ServerFailed, WrongServer, RemoteProtocolError) as error:
         report.failure = str(error)
     except asyncio.CancelledError:
         report.failure = "interrupted"
@@ -224,8 +264,7 @@ async def play(
         report.missed = match.missed
         if server is not None:
             await server.stop()
-            logged = server.episodes()[:episodes]
-            report.episodes = logged if len(logged) >= len(report.episodes) else report.episodes
+        report.episodes = refereed(report.episodes, server, trainer, episodes)
 
 
 async def play_team(

@@ -13,6 +13,8 @@ _ELEVEN_ON_NINETEEN: dict[str, Value] = {
     "player_speed_max_min": 0.8,
     "stamina_max": 4000.0,
 }
+REFEREED_BY_TRAINER: dict[str, Value] = {"keepaway": False, "coach": True}
+"""Changes for a server whose referee is a trainer of ours."""
 
 
 def option(name: str, value: Value) -> str:

@@ -16,8 +16,19 @@ from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.team.client import PlayerClient
 from rcss_hat.team.connection import ServerGone
 from rcss_hat.team.kickoff import Referee
-from rcss_hat.team.match import COMPILING, KEEPERS, TAKERS, Progress, cycles_played, never
+from rcss_hat.team.match import (
+    COMPILING,
+    KEEPERS,
+    TAKERS,
+    Progress,
+    check_keepaway,
+    cycles_played,
+    never,
+    refereed,
+)
+from rcss_hat.team.refereeing import WrongServer
 from rcss_hat.team.servers import ServerFailed, ServerProcess
+from rcss_hat.team.trainer import TrainerClient, unless_one_fails
 
 PATIENCE = 120.0
 """Seconds for a process to import, compile and connect."""
@@ -48,6 +59,7 @@ def _run_player(pipe: Pipe, task: Task, host: str, port: int, seed: int, policy:
 
         def report(player: KeepawayPlayer) -> None:
             nonlocal told
+            check_keepaway(player)
             if len(player.episodes) > told:
                 told = len(player.episodes)
                 pipe.send(("episodes", player.first_cycle, cycles_played(player), player.missed, player.episodes[-1]))
@@ -57,7 +69,7 @@ def _run_player(pipe: Pipe, task: Task, host: str, port: int, seed: int, policy:
 
     try:
         asyncio.run(play())
-    except (ServerGone, RemoteProtocolError) as error:
+    except (ServerGone, WrongServer, RemoteProtocolError) as error:
         pipe.send(("failed", str(error)))
     except KeyboardInterrupt:
         return
@@ -116,6 +128,14 @@ async def _connect(players: _Players, n: int) -> None:
         await players.hear(number, PATIENCE)
 
 
+async def _kick_off(task: Task, host: str, port: int) -> None:
+    referee = Referee(host, port)
+    await referee.connect()
+    await referee.wait_for(task.keepers, task.takers)
+    await referee.kick_off()
+    await referee.leave()
+
+
 async def play_in_processes(
     report: RunReport,
     task: Task,
@@ -125,26 +145,32 @@ async def play_in_processes(
     server: ServerProcess | None,
     address: tuple[str, int] | None,
     progress: Progress | None = None,
+    trainer: TrainerClient | None = None,
 ) -> None:
     """Play as `rcss_hat.team.match.play` does, every player in a process of its own."""
     host, port = (server.host, server.port) if server is not None else address or ("127.0.0.1", 6000)
     players = _Players(task, host, port, seed, policy)
     ends: list[tuple[int, bool]] = []
+    refereeing: list[asyncio.Task[None]] = []
     first, begun = 0, None
     try:
         if server is not None:
             await server.start()
             await server.answers(COMPILING)
         await _connect(players, task.keepers + task.takers)
-        referee = Referee(host, port)
-        await referee.connect()
-        await referee.wait_for(task.keepers, task.takers)
-        await referee.kick_off()
-        await referee.leave()
+        if trainer is not None:
+            await trainer.connect()
+            refereeing.append(asyncio.create_task(trainer.run()))
+            await unless_one_fails(trainer.wait_for_start(), refereeing)
+        else:
+            await _kick_off(task, host, port)
         begun = time.monotonic()
         while len(ends) < episodes:
             message = await players.hear(0, 1.0)
             players.check()
+            for running in refereeing:
+                if running.done():
+                    running.result()
             if server is not None:
                 server.check()
             if message[0] == "episodes":
@@ -152,18 +178,22 @@ async def play_in_processes(
                 ends.append(end)
                 if progress is not None:
                     progress(len(ends), report.cycles)
-    except (PlayerDied, ServerFailed, ServerGone) as error:
+    except (PlayerDied, ServerFailed, ServerGone, WrongServer, RemoteProtocolError) as error:
         report.failure = str(error)
     except asyncio.CancelledError:
         report.failure = "interrupted"
     finally:
         report.wall_s = time.monotonic() - begun if begun else 0.0
         players.stop()
+        for running in refereeing:
+            running.cancel()
+        await asyncio.gather(*refereeing, return_exceptions=True)
+        if trainer is not None:
+            trainer.close()
         starts = [first, *(end for end, _ in ends)]
         report.episodes = [
             Episode(k + 1, starts[k], end, TAKEN if taken else OUT) for k, (end, taken) in enumerate(ends)
         ]
         if server is not None:
             await server.stop()
-            logged = server.episodes()[:episodes]
-            report.episodes = logged if len(logged) >= len(ends) else report.episodes
+        report.episodes = refereed(report.episodes, server, trainer, episodes)

@@ -10,8 +10,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from fake_server.options import parse_options
+from fake_server.server import running_server
 from rcss_hat.cli.main import COMMANDS, cli
 from rcss_hat.keepaway.report import read_kwy
+from rcss_hat.keepaway.task import Task
+from rcss_hat.team.options import REFEREED_BY_TRAINER, server_options
 
 pytestmark = pytest.mark.compiled
 
@@ -61,6 +65,35 @@ def test_play_on_the_fake_server_is_the_same_game(tmp_path: Path) -> None:
     assert files[0].read_text() == files[1].read_text()
 
 
+def test_play_with_a_trainer_as_referee(tmp_path: Path) -> None:
+    kwy = tmp_path / "match.kwy"
+    arguments = ("--keepers", "hold", "--episodes", "2", "--seed", "1", "--kwy", str(kwy))
+    result = invoke("play", "--on", "fake", "--referee", "trainer", *arguments)
+    assert result.exit_code == 0, result.output
+    episodes = read_kwy(kwy)
+    assert [e.number for e in episodes] == [1, 2]
+    assert episodes[1].start == episodes[0].end
+
+
+def test_referee_writes_the_log_of_a_match_of_others(tmp_path: Path) -> None:
+    kwy = tmp_path / "match.kwy"
+    ports = {"port": 0, "coach_port": 0, "olcoach_port": 0}
+    options = parse_options(server_options(Task(), real=False, **ports, **REFEREED_BY_TRAINER))
+    with running_server(options) as server:
+        port = str(server.port)
+        teams = [subprocess.Popen([sys.executable, "-m", "rcss_hat", team, "--on", f"localhost:{port}"],
+                                  stdout=subprocess.DEVNULL) for team in ("keepers", "takers")]  # fmt: skip
+        result = invoke("referee", "--on", f"127.0.0.1:{port}", "--coach-port", str(server.coach_port),
+                        "--episodes", "2", "--kwy", str(kwy))  # fmt: skip
+        for team in teams:
+            team.terminate()
+            team.wait()
+    assert result.exit_code == 0, result.output
+    assert "2 episodes" in result.output
+    assert kwy.read_text().startswith("# Keepers: 3\n")
+    assert len(read_kwy(kwy)) == 2
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -68,6 +101,7 @@ def test_play_on_the_fake_server_is_the_same_game(tmp_path: Path) -> None:
         (("play", "--on", "nowhere"), "not HOST:PORT, for example localhost:6000"),
         (("play", "--keepers", "clever"), "none of hold, random, hand"),
         (("play", "--episodes", "0"), "0 is not in the range"),
+        (("play", "--on", "arena", "--referee", "trainer"), "a trainer referees on a server, not in the arena"),
         (("demonstrate", "--out", "x.csv", "--speed", "5"), "servers play in real time"),
         (("demonstrate", "--out", "x.csv", "--teacher", "A"), "use --on arena"),
         (("demonstrate", "--out", "x.csv", "--browser", "--actions", "hold,pass7"), "there are hold, pass1, pass2"),

@@ -5,6 +5,7 @@ import gzip
 import json
 import signal
 import socket
+import struct
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,7 @@ from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
 from rcss_hat.team.connection import Connection, ServerGone
-from rcss_hat.team.kickoff import Referee
+from rcss_hat.team.kickoff import Referee, sides_present
 from rcss_hat.team.match import play, play_team
 from rcss_hat.team.options import server_options
 from rcss_hat.team.processes import play_in_processes
@@ -141,6 +142,57 @@ def test_waiting_for_players_who_never_come_has_an_end() -> None:
 
     with running_server(parse_options(options)) as server, pytest.raises(ServerGone, match="0 and 0 came"):
         asyncio.run(wait(server.port))
+
+
+@pytest.mark.parametrize(("profile", "old"), [("19.0", False), ("11.1", True)])
+def test_a_monitor_counts_the_players_on_servers_new_and_old(profile: str, old: bool) -> None:
+    task = Task(profile=profile)
+    options = server_options(task, real=False, port=0, coach_port=0, olcoach_port=0, keepaway_logging=False)
+
+    async def count(port: int) -> bool:
+        referee = Referee("127.0.0.1", port)
+        await referee.connect()
+        await referee.wait_for(1, 1, patience=10.0)
+        await referee.leave()
+        return referee.old
+
+    with running_server(parse_options(options)) as server:
+        clients = [socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2)]
+        for client, team in zip(clients, (b"keepers", b"takers"), strict=True):
+            client.settimeout(5.0)
+            client.sendto(b"(init %s (version 11))\0" % team, ("127.0.0.1", server.port))
+            assert client.recv(100).startswith(b"(init ")
+        assert asyncio.run(count(server.port)) is old
+        for client in clients:
+            client.close()
+
+
+def test_a_frame_tells_who_is_there_and_other_messages_do_not() -> None:
+    assert sides_present(b"(server_param (port 6000))") is None
+    assert sides_present(b"\0\2" + bytes(2050)) is None  # a message of monitor version 1
+    entries = [(1, 1)] * 2 + [(0, 1)] * 9 + [(9, -1)] + [(0, -1)] * 10
+    frame = b"\0\1" + bytes(50) + b"".join(struct.pack(">2h8x", *entry) for entry in entries)
+    assert sides_present(frame.ljust(2052, b"\0")) == (2, 1)
+
+
+def test_the_physics_of_11_1_are_played_too() -> None:
+    report = empty_report()
+    task = Task(profile="11.1")
+    server = ServerProcess(task, 1)
+    asyncio.run(play(report, task, 1, warm_policy(), 2, server, None))
+    server.clean()
+    assert report.failure is None
+    assert [e.number for e in report.episodes] == [1, 2]
+
+
+def test_a_server_that_plays_soccer_is_refused() -> None:
+    report = empty_report()
+    server = ServerProcess(TASK, 1, keepaway=False)
+    asyncio.run(play(report, TASK, 1, warm_policy(), 2, server, None))
+    server.clean()
+    assert report.failure is not None
+    assert "kicked off soccer" in report.failure
+    assert "server::keepaway=1" in report.failure
 
 
 @pytest.mark.slow
