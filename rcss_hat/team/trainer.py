@@ -12,8 +12,8 @@ from rcss_hat.protocol.errors import LocalProtocolError, RemoteProtocolError
 from rcss_hat.team.connection import Connection, ServerGone
 from rcss_hat.team.refereeing import KeepawayTrainer, WrongServer
 
-SERVER_SILENT = 9.0
-"""Seconds without a word from the server after which it counts as gone."""
+SILENCE_BEFORE, SILENCE = 60.0, 9.0
+"""Seconds without a word from the server, before and during the match, after which it counts as gone."""
 
 
 class TrainerClient:
@@ -63,11 +63,12 @@ class TrainerClient:
         """
         counted = 0
         while True:
+            patience = SILENCE if self.trainer.started else SILENCE_BEFORE
             try:
-                async with asyncio.timeout(SERVER_SILENT):
+                async with asyncio.timeout(patience):
                     data = await self.connection.receive()
             except TimeoutError:
-                raise ServerGone(f"trainer: the server has been silent for {SERVER_SILENT:.0f} s") from None
+                raise ServerGone(f"trainer: the server has been silent for {patience:.0f} s") from None
             try:
                 answers = self.trainer.receive(data)
             except LocalProtocolError as error:
