@@ -93,6 +93,8 @@ _SERVER_MEMBERS = _words("""
     tackle_back_dist tackle_width start_goal_l start_goal_r fullstate_l fullstate_r drop_ball_time synch_mode
     synch_offset synch_micro_sleep point_to_ban point_to_duration
 """)
+_SINCE_12 = _words("max_tackle_power max_back_tackle_power tackle_dist tackle_back_dist tackle_width")
+"""Members that are spare places in 11.1."""
 _UNUSED = -1.0  # of parameters that no server has any more
 _PLAYER_MEMBERS = _words("""
     player_types subs_max pt_max player_speed_max_delta_min player_speed_max_delta_max
@@ -109,6 +111,8 @@ _TYPE_MEMBERS = _words("""
     kick_rand extra_stamina effort_max effort_min kick_power_rate foul_detect_probability
     catchable_area_l_stretch
 """)
+_OLD_PLAYER_MEMBERS, _OLD_TYPE_MEMBERS = 20, 11
+"""How many of them there are in 11.1; spare places follow."""
 
 
 def _wrapped(whole: ArrayLike, kind: str) -> NDArray[np.int64]:
@@ -192,6 +196,8 @@ def server_params(params: ServerParams) -> bytes:
         "kickable_area": sum(params.number(name) for name in ("kickable_margin", "ball_size", "player_size")),
         "lcm_step": math.lcm(*steps, int(params.number("synch_offset")) if params["synch_mode"] else 1),
     }
+    if params.profile == "11.1":
+        derived |= dict.fromkeys(_SINCE_12, 0.0)
     members = []
     for name in _SERVER_MEMBERS:
         value = derived.get(name, params.get(name, _UNUSED))
@@ -199,10 +205,10 @@ def server_params(params: ServerParams) -> bytes:
     return _structure(SERVER_MODE, members)
 
 
-def player_params(params: PlayerParams) -> bytes:
-    """Return the player parameters for monitors of version 2."""
+def player_params(params: PlayerParams, old: bool = False) -> bytes:
+    """Return the player parameters for monitors of version 2; there are fewer in 11.1 (``old``)."""
     members: list[tuple[str, int]] = []
-    for name in _PLAYER_MEMBERS:
+    for name in _PLAYER_MEMBERS[:_OLD_PLAYER_MEMBERS] if old else _PLAYER_MEMBERS:
         value = params.get(name, 0.0)
         if name == "random_seed":
             members.append((_I4, int(value)))
@@ -213,7 +219,8 @@ def player_params(params: PlayerParams) -> bytes:
     return _structure(PLAYER_MODE, members)
 
 
-def player_type(types: NDArray[np.void], number: int) -> bytes:
-    """Return a player type for monitors of version 2."""
-    scaled = [(_I4, round(float(types[name][number]) * _SCALE_2)) for name in _TYPE_MEMBERS]
+def player_type(types: NDArray[np.void], number: int, old: bool = False) -> bytes:
+    """Return a player type for monitors of version 2; the structure is shorter in 11.1 (``old``)."""
+    names = _TYPE_MEMBERS[:_OLD_TYPE_MEMBERS] if old else _TYPE_MEMBERS
+    scaled = [(_I4, round(float(types[name][number]) * _SCALE_2)) for name in names]
     return _structure(TYPE_MODE, [(_I2, number), *scaled])

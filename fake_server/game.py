@@ -81,14 +81,17 @@ class Game:
     def __init__(self, options: ServerOptions, seed: int) -> None:
         self.params = options.params
         self.player_params = options.player_params
-        if int(self.player_params["random_seed"]) < 0:
-            self.player_params.set("random_seed", seed % 2**31)
+        types_seed = int(self.player_params["random_seed"])
+        if types_seed < 0:
+            types_seed = seed % 2**31
+            if self.params.profile != "11.1":  # which does not tell the seed it has drawn
+                self.player_params.set("random_seed", types_seed)
         self.kernel = self.params.record()
         self.has_referees = bool(self.params["coach_w_referee"]) or not self.params["coach"]
         if not self.has_referees:
             for name in ("keepaway", "half_time", "ball_stuck_area", "use_offside"):
                 self.kernel[name] = 0.0
-        self.types = player_types(self.params, int(self.player_params["random_seed"]), self.player_params.numbers())
+        self.types = player_types(self.params, types_seed, self.player_params.numbers())
         self.match = new_match(self.kernel)
         self.match["score"][0] = [int(self.params.number(f"start_goal_{side}")) for side in "lr"]
         self.streams = streams(seed)

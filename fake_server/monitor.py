@@ -76,9 +76,10 @@ class MonitorClient:
         game = self.game
         if self.version == 2:
             self.connection.send_bytes(binary.server_params(game.params))
-            self.connection.send_bytes(binary.player_params(game.player_params))
+            old = game.params.profile == "11.1"
+            self.connection.send_bytes(binary.player_params(game.player_params, old))
             for number in range(len(game.types)):
-                self.connection.send_bytes(binary.player_type(game.types, number))
+                self.connection.send_bytes(binary.player_type(game.types, number, old))
         elif self.version >= 3:
             for message in all_params(game.params, game.player_params, game.types, EVERYTHING):
                 self.connection.send(message)

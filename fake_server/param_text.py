@@ -15,6 +15,8 @@ from rcss_hat.protocol.params import SERVER_PARAMETERS, ServerParams, Value
 EVERYTHING = 999
 """Version of clients that are told all there is: monitors and game logs."""
 
+_COACH_MESSAGE_SINCE = 11
+"""First version of clients that 11.1 tells ``coach_msg_file``; 19 tells it to monitors only."""
 _N_FIELDS = ((14, 11), (18, 14), (19, 25))
 """Clients below each version are told so many fields of a player type; the others all."""
 
@@ -33,7 +35,10 @@ def server_param(params: ServerParams, version: int) -> str:
     """Return ``(server_param ...)`` for clients of a protocol version, or for `EVERYTHING`."""
     if version >= EVERYTHING:
         return _message("server_param", ((p.name, params[p.name]) for p in SERVER_PARAMETERS))
-    return _message("server_param", params.for_version(version))
+    told = dict(params.for_version(version))
+    if params.profile == "11.1" and version >= _COACH_MESSAGE_SINCE:
+        told["coach_msg_file"] = params["coach_msg_file"]
+    return _message("server_param", sorted(told.items()))
 
 
 def player_param(params: PlayerParams, version: int) -> str:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from fake_server.server import Server
 
 _ILLEGAL_VERSION = "(error illegal_client_version)"
+_UNKNOWN = "(error unknown_command)"
 NO_ONLINE_COACH = "(error online_coach_not_supported)"
 """Answer to online coaches: an own one, for the original has them."""
 
@@ -146,9 +147,9 @@ class Reception:
         most = int(server.game.params.number("max_monitors"))
         if 0 < most <= len(server.monitors):
             raise JoinError("(error no_more_monitor)")
-        known = (1, 2) if server.game.params.profile == "11.1" else VERSIONS
-        if not math.isfinite(version) or int(version) not in known:
-            raise JoinError(_ILLEGAL_VERSION)
+        old = server.game.params.profile == "11.1"
+        if not math.isfinite(version) or int(version) not in ((1, 2) if old else VERSIONS):
+            raise JoinError(_UNKNOWN if old else _ILLEGAL_VERSION)
         monitor = MonitorClient(server, self._connect(address), int(version))
         server.add_monitor(monitor)
         server.say(f"A new ({'json' if monitor.version == JSON else f'v{monitor.version}'}) monitor connected.")

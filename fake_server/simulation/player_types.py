@@ -92,9 +92,17 @@ PLAYER_PARAMETERS: dict[str, tuple[float, float]] = {
 
 
 class _Twister:
-    """``std::mt19937`` with ``std::uniform_real_distribution<double>``."""
+    """``mt19937`` with ``std::uniform_real_distribution<double>``, or, as in 11.1, with ``boost::uniform_real``.
 
-    def __init__(self, seed: int) -> None:
+    Parameters
+    ----------
+    seed : int
+    one_word : bool
+        Draw as 11.1 does, from one word of 32 bits instead of two.
+    """
+
+    def __init__(self, seed: int, one_word: bool = False) -> None:
+        self._one_word = one_word
         key = np.zeros(624, dtype=np.uint32)
         word = seed & 0xFFFFFFFF
         for k in range(624):
@@ -108,6 +116,8 @@ class _Twister:
         if low == high:
             return low
         low, high = min(low, high), max(low, high)
+        if self._one_word:
+            return float(self._bits.random_raw()) / (2.0**32 - 1.0) * (high - low) + low
         first, second = (float(word) for word in self._bits.random_raw(2))
         unit = min((first + second * 2.0**32) / 2.0**64, math.nextafter(1.0, 0.0))
         return unit * (high - low) + low
@@ -136,7 +146,7 @@ def player_types(params: ServerParams, seed: int, player_params: Mapping[str, fl
         n is ``player_types``: 18 in version 19.0, 7 in 11.1. Entry 0 has the server's parameters.
     """
     settings = player_parameters(params) | dict(player_params or {})
-    twister = _Twister(seed)
+    twister = _Twister(seed, one_word=params.profile == "11.1")
     types = np.zeros(int(settings["player_types"]), dtype=PLAYER_TYPE)
     for k in range(len(types)):
         values = default_type(params)
@@ -185,9 +195,14 @@ def default_type(params: ServerParams) -> dict[str, float]:
 
 def _draw(params: ServerParams, settings: Mapping[str, float], twister: _Twister) -> dict[str, float]:
     """Draw one type; type 0 again when no trial gives a player of a fair top speed."""
+    old = params.profile == "11.1"
     for _ in range(_MAX_TRIALS):
         values = _trial(params, settings, twister)
         if values is None:
+            continue
+        if old:
+            if not _faster_for_less(params, values):
+                return values
             continue
         top_speed = params.number("maxpower") * values["dash_power_rate"] * values["effort_max"]
         top_speed /= 1.0 - values["player_decay"]
@@ -196,8 +211,19 @@ def _draw(params: ServerParams, settings: Mapping[str, float], twister: _Twister
     return default_type(params)
 
 
+def _faster_for_less(params: ServerParams, values: dict[str, float]) -> bool:
+    """Tell whether a player is faster than the default one and needs less stamina for it: 11.1 refuses those only."""
+
+    def consumption(of: dict[str, float]) -> float:
+        return of["player_speed_max"] * (1.0 - of["player_decay"]) / of["dash_power_rate"] - of["stamina_inc_max"]
+
+    default = default_type(params)
+    return values["player_speed_max"] > default["player_speed_max"] and consumption(values) < consumption(default)
+
+
 def _trial(params: ServerParams, settings: Mapping[str, float], twister: _Twister) -> dict[str, float] | None:
-    """Draw one candidate, None when a value leaves its range. The order of draws is the server's."""
+    """Draw one candidate, None when a value leaves its range (not in 11.1). The order of draws is the server's."""
+    old = params.profile == "11.1"
     number = params.number
     values: dict[str, float] = {}
 
@@ -205,7 +231,7 @@ def _trial(params: ServerParams, settings: Mapping[str, float], twister: _Twiste
         delta = twister.uniform(settings[f"{name}_delta_min"], settings[f"{name}_delta_max"])
         for field, (base, factor) in fields.items():
             values[field] = number(base) + delta * factor
-            if values[field] < 0.0 or (values[field] == 0.0 and field not in allow_zero):
+            if not old and (values[field] < 0.0 or (values[field] == 0.0 and field not in allow_zero)):
                 return False
         return True
 

@@ -252,7 +252,7 @@ def test_same_seed_same_match_and_see_phases_are_drawn() -> None:
 
     assert play(3, 0) == play(3, 7)
     assert play(3, 0)[0] != play(4, 0)[0]
-    assert len({phase for seed in range(10) for phase in play(seed, 0)[1]}) == 4
+    assert len({phase for seed in range(10) for phase in play(seed, 0)[1]}) == 3  # joined in one of three cycles
 
 
 def test_other_games_start_with_a_kick_off_and_play_on_when_the_ball_moves() -> None:

@@ -160,6 +160,48 @@ def test_noise_of_motion_is_square_in_version_11() -> None:
         assert stats.kstest((value - middle) / 0.1, stats.uniform(-1.0, 2.0).cdf).pvalue > 0.01
 
 
+# Scenarios of physics-noise-11.1.2: where ball and player start, at which speed, and what the player commands.
+SCENARIOS_11 = {
+    ("ball", 0.5): ((20.0, 0.5), 0.0, ""),
+    ("ball", 2.5): ((20.0, 2.5), 0.0, ""),
+    ("player", 0.8): ((20.0, 0.0), 0.8, ""),
+    ("dash", 100.0): ((20.0, 0.0), 0.0, "(dash 100)"),
+    ("turn", 60.0): ((20.0, 0.0), 0.0, "(turn 60)"),
+    ("kick", 50.0): ((0.7, 0.0), 0.0, "(kick 50 0)"),
+}
+
+
+def _moves_11(kind: str, value: float, n: int) -> list[tuple[float, float]]:
+    """Play a scenario some times; returns how far the result is from that without noise, in two coordinates."""
+    (ball, ball_speed), speed, command = SCENARIOS_11[kind, value]
+    world = World("l1", "11.1", **FREE, ball_stuck_area=0.0, kick_rand=0.1).play()
+    kicked = 50 * 0.027 * (1.0 - 0.25 * (0.7 - 0.385) / 0.7)
+    away = {"ball": ball + value, "player": value, "dash": 0.6, "turn": value, "kick": ball + kicked}[kind]
+    moves = []
+    for _ in range(n):
+        world.put("b", ball, 0.0, ball_speed, 0.0).put("l1", 0.0, 0.0, speed)
+        world.match["stamina"][0, 0] = 4000.0
+        world.command("l1", command)
+        cycle.step(world.match, world.params, world.types, world.streams)
+        x, y = world.match["ball_pos" if kind in ("ball", "kick") else "pos"][0].reshape(-1, 2)[0]
+        if kind == "turn":
+            x, y = round(math.degrees(world.match["body"][0, 0])), 0.0
+        moves.append((x - away, y))
+    return moves
+
+
+@pytest.mark.parametrize(("kind", "value"), SCENARIOS_11)
+def test_noise_of_11_is_distributed_as_recorded(kind: str, value: float) -> None:
+    recorded = [
+        (float(row["dx"]), float(row["dy"]))
+        for row in rows("physics-noise-11.1.2.csv.gz")
+        if row["scenario"] == kind and float(row["value"]) == value
+    ]
+    simulated = _moves_11(kind, value, 1500 if COMPILED else 300)
+    for axis in range(1 if kind == "turn" else 2):
+        _same_distribution([move[axis] for move in recorded], [move[axis] for move in simulated])
+
+
 def test_kick_noise_is_drawn_for_negative_powers_too() -> None:
     world = World("l1", **FREE, player_rand=0.0, ball_rand=0.0).play()
     speeds = set()
