@@ -288,6 +288,19 @@ def test_who_answered_while_the_server_was_busy_has_not_missed(
     assert "missed" not in capfd.readouterr().err
 
 
+def test_the_waits_are_the_originals() -> None:
+    assert Timing() == Timing(patience=1.25, most_misses=20, pause=0.05, monitor_pause=0.02)
+
+
+def test_commands_of_who_never_says_done_are_carried_out() -> None:
+    with by_hand(Timing(patience=0.0, pause=0.0)) as (_, clock, players):
+        clock.cycle()
+        players[0].send("(turn_neck 30)")
+        clock.cycle()
+        clock.cycle()
+        assert "(turn_neck 1)" in players[0].until(r"\(sense_body 3 ")[-1]
+
+
 def test_who_dies_while_he_thinks_costs_one_wait(capfd: pytest.CaptureFixture[str]) -> None:
     with by_hand(Timing(patience=0.0, pause=0.0)) as (server, clock, (stays, dies)):
         ask = server.start_thinking

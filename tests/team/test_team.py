@@ -12,6 +12,7 @@ import pytest
 
 from fake_server.options import parse_options
 from fake_server.server import running_server
+from fake_server.simulation.keepaway import TURNOVER_TIME
 from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
@@ -109,6 +110,18 @@ def test_a_full_team_is_refused_with_the_servers_words() -> None:
             client.close()
     assert report.failure is not None
     assert "no_more_team" in report.failure
+
+
+def test_a_match_in_real_time() -> None:
+    twice_as_fast = {"synch_mode": False, "simulator_step": 50, "sense_body_step": 50, "send_step": 75}
+    report = empty_report()
+    server = ServerProcess(TASK, 1, **twice_as_fast)
+    asyncio.run(play(report, TASK, 1, warm_policy(), 1, server, None))
+    server.clean()
+    assert report.failure is None
+    assert [e.number for e in report.episodes] == [1]
+    assert report.cycles >= report.episodes[0].end > TURNOVER_TIME
+    assert 0 <= report.missed <= 5 * (report.cycles + 1)
 
 
 async def _both_teams(address: tuple[str, int]) -> tuple[RunReport, RunReport]:
