@@ -19,6 +19,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 ARENA, FAKE, REAL = "arena", "fake", "real"
 SERVER, TRAINER = "server", "trainer"
 """Who referees."""
+INTERRUPTED = "interrupted"
 
 
 def task_options(function: F) -> F:

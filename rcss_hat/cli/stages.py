@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rcss_hat.cli.common import ARENA, REAL, tell_of_compilation
+from rcss_hat.cli.common import ARENA, INTERRUPTED, REAL, tell_of_compilation
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from rcss_hat.team.trainer import TrainerClient
 
 ENDLESS = 10**9
-INTERRUPTED = "interrupted"
 
 
 def play_on_stage(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import math
 import secrets
@@ -15,7 +16,18 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, fail, plain_errors, progress_bar, stage_text, task_options
+from rcss_hat.cli.common import (
+    ARENA,
+    FAKE,
+    INTERRUPTED,
+    REAL,
+    Stage,
+    fail,
+    plain_errors,
+    progress_bar,
+    stage_text,
+    task_options,
+)
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
 
@@ -26,6 +38,8 @@ if TYPE_CHECKING:
 
 METHODS = ("none", "no-prior", "value-bonus", "extra-action", "ppr", "chat", "replay")
 """``none`` is another word for ``no-prior``."""
+RESTART_S = 60.0
+"""How long a server that went away may take to come back."""
 WHEN_RESUMING = {"out", "resume", "hours", "executable", "as_json", "quiet"}
 """Options that make sense with ``--resume``; the others come from the folder."""
 
@@ -223,8 +237,27 @@ def _train_on_stage(run: TrainingRun, show: Callable[[TrainingRun], None], execu
     show(run)
     if run.config.stage == ARENA:
         with interrupt_flag() as interrupted:
-            return None if run.train(show, interrupted) else "interrupted"
-    return None if run.done else _train_over_udp(run, show, executable)
+            return None if run.train(show, interrupted) else INTERRUPTED
+    while not run.done:
+        before = run.cycles
+        failure = _train_over_udp(run, show, executable)
+        if failure is None or failure == INTERRUPTED or run.cycles == before or not _is_back(run, failure):
+            return failure
+    return None
+
+
+def _is_back(run: TrainingRun, failure: str) -> bool:
+    """Wait for a server that somebody else runs and perhaps restarts; false when it stays away."""
+    from rcss_hat.team.servers import answers
+
+    address = Stage(FAKE, REAL).convert(run.config.stage, None, None)
+    if not isinstance(address, tuple):
+        return False
+    click.echo(f"{failure}; waiting up to {RESTART_S:.0f} s for a server at {run.config.stage} ...", err=True)
+    try:
+        return asyncio.run(answers(*address, RESTART_S))
+    except KeyboardInterrupt:
+        return False
 
 
 def _train_over_udp(run: TrainingRun, show: Callable[[TrainingRun], None], executable: str | None) -> str | None:

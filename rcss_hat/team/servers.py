@@ -9,6 +9,7 @@ import signal
 import socket
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
@@ -46,6 +47,34 @@ def free_ports(n: int = 3) -> int:
 def find_executable(name: str | None = None) -> str | None:
     """Path of an rcssserver executable, or None."""
     return shutil.which(name or "rcssserver")
+
+
+async def answers(host: str, port: int, patience: float, check: Callable[[], None] = lambda: None) -> bool:
+    """Wait until a server answers a datagram; False when it does not in so many seconds.
+
+    Parameters
+    ----------
+    host : str
+    port : int
+    patience : float
+        Seconds.
+    check : callable, optional
+        Called every now and then; may raise to end the wait.
+    """
+    loop = asyncio.get_running_loop()
+    give_up = loop.time() + patience
+    while loop.time() < give_up:
+        check()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            probe.setblocking(False)
+            try:
+                probe.connect((host, port))
+                probe.send(b"(ping)\0")  # not a command: the answer is an error, and nothing changes
+                await asyncio.wait_for(loop.sock_recv(probe, 1024), 0.2)
+                return True
+            except (OSError, TimeoutError):
+                await asyncio.sleep(0.05)
+    return False
 
 
 class ServerProcess:
@@ -162,20 +191,8 @@ class ServerProcess:
         ServerFailed
             When it ended, or did not answer in time.
         """
-        loop = asyncio.get_running_loop()
-        give_up = loop.time() + patience
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            probe.setblocking(False)
-            probe.connect((self.host, self.port))
-            while loop.time() < give_up:
-                self.check()
-                try:
-                    probe.send(b"(ping)\0")  # not a command: the answer is an error, and nothing changes
-                    await asyncio.wait_for(loop.sock_recv(probe, 1024), 0.2)
-                    return
-                except (OSError, TimeoutError):
-                    await asyncio.sleep(0.05)
-        raise ServerFailed(f"the server did not answer on port {self.port} within {patience:.0f} s")
+        if not await answers(self.host, self.port, patience, self.check):
+            raise ServerFailed(f"the server did not answer on port {self.port} within {patience:.0f} s")
 
     async def ended(self) -> None:
         """Wait until the process ends, then raise ServerFailed."""

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -17,6 +18,9 @@ from rcss_hat.cli.main import cli
 from rcss_hat.experiments.training import TrainingRun, read_config
 from rcss_hat.hat.decision_list import PAPER_RULES
 from rcss_hat.hat.transfer import ValueBonus
+from rcss_hat.keepaway.task import Task
+from rcss_hat.team.options import server_options
+from rcss_hat.team.servers import free_ports
 
 
 def call(*arguments: object) -> Result:
@@ -120,3 +124,42 @@ def test_training_over_udp_is_recorded_and_goes_on(tmp_path: Path) -> None:
     assert (longer["start"].diff().dropna() > 0).all() and longer["hour"].iloc[-1] > 0.01
     evaluated = call("evaluate", out, "--on", "fake", "--episodes", 2, "--seed", 1)
     assert evaluated.exit_code == 0 and "2 episodes" in evaluated.stdout
+
+
+def start_server(port: int, task: Task) -> subprocess.Popen[bytes]:
+    ports = {"port": port, "coach_port": port + 1, "olcoach_port": port + 2}
+    command = [sys.executable, "-m", "fake_server", "--seed", "1"]
+    options = server_options(task, real=False, keepaway_logging=False, **ports)
+    return subprocess.Popen([*command, *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+@pytest.mark.slow
+def test_training_survives_a_restart_of_the_server(tmp_path: Path) -> None:
+    out, port = tmp_path / "run", free_ports()
+    server = start_server(port, Task())
+    command = [sys.executable, "-m", "rcss_hat", "train", "--on", f"127.0.0.1:{port}", "--hours", "0.06", "--quiet"]
+    process = subprocess.Popen([*command, "--seed", "2", "--out", str(out)], stderr=subprocess.PIPE, text=True)
+    try:
+        log = out / "episodes.csv"
+        wait_until(lambda: log.exists() and len(log.read_text().splitlines()) > 5)
+        server.kill()
+        assert process.stderr is not None
+        assert any("waiting up to 60 s for a server" in line for line in process.stderr)
+        server = start_server(port, Task())
+        assert process.wait(120) == 0, process.stderr.read()
+    finally:
+        process.kill()
+        server.kill()
+        server.wait()
+    run = TrainingRun.open(out)
+    assert run.done and run.sessions == 2
+    episodes = pd.read_csv(log)
+    assert episodes["episode"].tolist() == list(range(1, len(episodes) + 1))
+    assert (episodes["start"].diff().dropna() > 0).all()
+
+
+def wait_until(done: Callable[[], bool]) -> None:
+    give_up = time.monotonic() + 300.0
+    while not done():
+        assert time.monotonic() < give_up
+        time.sleep(0.1)
