@@ -27,7 +27,7 @@ from rcss_hat.cli.common import (
     tell_of_compilation,
 )
 from rcss_hat.cli.person import demonstrate_by_hand, parse_actions
-from rcss_hat.cli.stages import own_server
+from rcss_hat.cli.stages import own_server, server_pace
 from rcss_hat.keepaway.report import Episode, RunReport
 from rcss_hat.keepaway.task import Task
 
@@ -49,7 +49,13 @@ if TYPE_CHECKING:
 @click.option("--browser", is_flag=True, help="You demonstrate, in a browser.")
 @click.option("--terminal", is_flag=True, help="You demonstrate, in this terminal.")
 @click.option("--actions", default=None, help="You: what you may do, e.g. hold,pass1.  [default: everything]")
-@click.option("--speed", type=click.FloatRange(0.1, 20), default=1.0, help="You, in the arena: times real time.")
+@click.option(
+    "--speed",
+    type=click.FloatRange(0.1, 20),
+    default=1.0,
+    show_default=True,
+    help="You: times real time; servers at most 5.",
+)
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; 0: any.")
 @click.option("--open/--no-open", "open_browser", default=True, help="Open the page by itself.")
 @click.option("--episodes", type=click.IntRange(1), default=20, show_default=True, help="How many in all.")
@@ -86,6 +92,7 @@ def demonstrate(
     Example:
       rcss-hat demonstrate --on fake --teacher hand --episodes 20 --seed 1 --out demo.csv
       rcss-hat demonstrate --browser --episodes 20 --out mine.csv
+      rcss-hat demonstrate --browser --on fake --speed 5 --out fast.csv
       rcss-hat demonstrate --browser --on localhost:6000 --actions hold,pass1 --out mine.csv
       rcss-hat summarize demo.csv --out rules.json
     """
@@ -96,10 +103,8 @@ def demonstrate(
     person = browser or terminal
     stage = stage or (ARENA if person else FAKE)
     name = "person" if person else teacher
-    if speed != 1.0 and not (person and stage == ARENA):
-        raise click.UsageError(
-            "--speed is for people in the arena (--browser or --terminal); servers play in real time"
-        )
+    if speed != 1.0 and not person:
+        raise click.UsageError("--speed is for people: give it with --browser or --terminal")
     scripted = next((style for style in STYLES if style.lower() == teacher.lower()), None)
     if scripted and not person and stage != ARENA:
         raise click.UsageError(f"the scripted person {scripted} sees the whole field: use --on arena")
@@ -109,8 +114,11 @@ def demonstrate(
         raise click.BadParameter(str(error), param_hint="--actions") from error
     seed = secrets.randbelow(2**31) if seed is None else seed
     policy = None if person or scripted else _policy(teacher, task, seed)
+    pace = {"synch_mode": False, **server_pace(stage, speed)} if person and stage != ARENA else {}
+    in_force = {} if isinstance(stage, tuple) else {**task.server_values(), **pace}
+    notes = f"played {speed:g} times as fast as real time" if speed != 1.0 else ""
     today = datetime.date.today().isoformat()
-    info = DemonstrationInfo(name, stage_text(stage), task, dict(task.server_values()), seed, today)
+    info = DemonstrationInfo(name, stage_text(stage), task, in_force, seed, today, notes)
     report = RunReport(stage_text(stage), name, "hand", task.size, task.field, task.vision, seed)
     with plain_errors(ValueError, RuntimeError):
         out.parent.mkdir(parents=True, exist_ok=True)
@@ -122,7 +130,7 @@ def demonstrate(
             if missing <= 0:
                 click.echo(f"{out} already has {len(writer.entries)} episodes", err=True)
             elif person:
-                server = own_server(task, seed, stage, executable, synch_mode=False) if stage != ARENA else None
+                server = own_server(task, seed, stage, executable, **pace) if stage != ARENA else None
                 demonstrate_by_hand(
                     report, task, stage, seed, writer, episodes, speed, allowed, terminal, port, open_browser, server
                 )
@@ -142,6 +150,10 @@ def demonstrate(
         click.echo(recorded.describe().to_text())
     else:
         click.echo("no episode was recorded")
+    if report.missed and not as_json:
+        cycles = report.cycles * (task.keepers + task.takers)
+        share = 100.0 * report.missed / max(cycles, 1)
+        click.echo(f"In {share:.1f} % of all cycles a player's command came too late for the server.", err=True)
     if report.failure and not as_json:
         fail(f"{report.failure} (the finished episodes are in {out})", report.exit_code)
     sys.exit(report.exit_code)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rcss_hat.cli.common import ARENA
+from rcss_hat.cli.common import ARENA, tell_of_compilation
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
 
@@ -95,6 +95,7 @@ async def _on_server(
     from rcss_hat.team.match import play
     from rcss_hat.viewer.live import MonitorSource
 
+    tell_of_compilation("rcss_hat.keepaway.agent")
     address = stage if isinstance(stage, tuple) else None
     host, udp_port = address or (server.host, server.port)  # type: ignore[union-attr]
     source = MonitorSource(host, udp_port, demonstration.insight, TITLE, patience=180.0)

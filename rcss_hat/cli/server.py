@@ -21,6 +21,7 @@ from rcss_hat.keepaway.task import Task
 @click.option("--seed", type=click.IntRange(0), default=None, help="Of the fake server.")
 @click.option("--folder", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="Where logs go.")
 @click.option("--real-time", is_flag=True, help="100 ms cycles instead of synch mode.")
+@click.option("--speed", type=click.FloatRange(0.1, 5), default=1.0, help="With --real-time: times real time.")
 @click.option(
     "--referee",
     type=click.Choice([SERVER, TRAINER]),
@@ -37,6 +38,7 @@ def server(
     seed: int | None,
     folder: Path,
     real_time: bool,
+    speed: float,
     referee: str,
 ) -> None:
     """Run a real or fake rcssserver with Keepaway options until Ctrl-C.
@@ -46,9 +48,13 @@ def server(
       rcss-hat server --fake --port 6000 --seed 1
       rcss-hat server --real --executable ./rcssserver --real-time
     """
+    from rcss_hat.cli.stages import server_pace
     from rcss_hat.team.options import REFEREED_BY_TRAINER
     from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
 
+    if speed != 1.0 and not real_time:
+        raise click.UsageError("--speed needs --real-time; in synch mode a server is as fast as its clients")
+    pace = server_pace("", speed)
     found = None
     if real or executable:
         found = find_executable(executable)
@@ -58,7 +64,9 @@ def server(
     folder.mkdir(parents=True, exist_ok=True)
 
     async def run() -> None:
-        process = ServerProcess(task, seed, found, folder.resolve(), port=port, synch_mode=not real_time, **whistle)
+        process = ServerProcess(
+            task, seed, found, folder.resolve(), port=port, synch_mode=not real_time, **pace, **whistle
+        )
         async with process:
             await process.answers()
             click.echo(f"{'rcssserver' if found else 'fake rcssserver'} answers on port {port}", err=True)

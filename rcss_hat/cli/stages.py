@@ -6,7 +6,9 @@ import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from rcss_hat.cli.common import ARENA, INTERRUPTED, REAL, tell_of_compilation
+import click
+
+from rcss_hat.cli.common import ARENA, INTERRUPTED, REAL, stage_text, tell_of_compilation
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
@@ -152,6 +154,29 @@ def own_server(
             f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
         )
     return ServerProcess(task, seed, found, None, **changes)
+
+
+def server_pace(stage: str | tuple[str, int], speed: float) -> dict[str, Value]:
+    """Return the parameters of a server in real time that is to play so many times faster.
+
+    Raises
+    ------
+    click.BadParameter
+        When servers do not have this speed, or the server is somebody else's.
+    """
+    from rcss_hat.team.options import option, pace_options
+
+    try:
+        pace = pace_options(speed)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--speed") from error
+    if pace and isinstance(stage, tuple):
+        needed = " ".join(option(name, value) for name, value in {"synch_mode": False, **pace}.items())
+        raise click.UsageError(
+            f"the server at {stage_text(stage)} runs already, at its own speed; leave out --speed, and start it with "
+            f"{needed} ('rcss-hat server --real-time --speed {speed:g}' does)"
+        )
+    return pace
 
 
 def play_in_processes_on_stage(

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, plain_errors, task_options
+from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, plain_errors, task_options, tell_of_compilation
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
+from rcss_hat.protocol.params import Value
 
 if TYPE_CHECKING:
     from rcss_hat.hat.policy import TeamPolicy
@@ -53,7 +54,11 @@ class Watched(click.ParamType):
 @click.option("--episodes", type=click.IntRange(1), default=100, show_default=True, help="Length of such a match.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Of such a match (fake and arena).")
 @click.option(
-    "--speed", type=click.FloatRange(0.1, 100), default=1.0, show_default=True, help="Arena and log: at first."
+    "--speed",
+    type=click.FloatRange(0.1, 100),
+    default=1.0,
+    show_default=True,
+    help="Arena and log: at first; servers started here: at most 5.",
 )
 @click.option("--port", type=click.IntRange(0, 65535), default=0, show_default=True, help="Of the page; 0: any.")
 @click.option("--open/--no-open", "open_browser", default=True, help="Open the page by itself.")
@@ -100,6 +105,7 @@ def _source(
     executable: str | None,
 ) -> tuple[Source, _ServerMatch | None]:
     """Return what to show, and the match that has to be played for it."""
+    from rcss_hat.cli.stages import server_pace
     from rcss_hat.viewer.live import MonitorSource
     from rcss_hat.viewer.playback import Playback
 
@@ -111,6 +117,7 @@ def _source(
             click.echo(f"{recording.skipped} lines of {stage} could not be read", err=True)
         return Playback(recording, speed), None
     if isinstance(stage, tuple):
+        server_pace(stage, speed)
         return MonitorSource(*stage, stay=True), None
     seed = secrets.randbelow(2**31) if seed is None else seed
     policy = _policy(keepers, task, seed)
@@ -119,7 +126,8 @@ def _source(
         from rcss_hat.viewer.values import values_of
 
         return Playback(ArenaReel(task, seed, policy, episodes, values_of(policy)), speed), None
-    match = _ServerMatch(task, stage, seed, policy, episodes, executable)
+    tell_of_compilation("rcss_hat.keepaway.agent")
+    match = _ServerMatch(task, stage, seed, policy, episodes, executable, server_pace(stage, speed))
     return match.source, match
 
 
@@ -136,32 +144,38 @@ class _ServerMatch:
     """A match on a server of our own in real time, to be watched as a monitor."""
 
     def __init__(
-        self, task: Task, stage: str, seed: int, policy: TeamPolicy, episodes: int, executable: str | None
+        self,
+        task: Task,
+        stage: str,
+        seed: int,
+        policy: TeamPolicy,
+        episodes: int,
+        executable: str | None,
+        pace: dict[str, Value],
     ) -> None:
-        from rcss_hat.team.servers import ServerFailed, ServerProcess, find_executable
+        from rcss_hat.cli.stages import own_server
         from rcss_hat.viewer.live import MonitorSource
         from rcss_hat.viewer.narrator import Insight
         from rcss_hat.viewer.values import values_of
 
-        found = find_executable(executable) if stage == REAL else None
-        if stage == REAL and found is None:
-            raise ServerFailed(
-                f"no executable {executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
-            )
-        self.task, self.seed, self.episodes = task, seed, episodes
+        self.task, self.seed, self.episodes, self.policy = task, seed, episodes, policy
         self.report = RunReport(stage, policy.spec, "hand", task.size, task.field, task.vision, seed)
-        self.server = ServerProcess(task, seed, found, synch_mode=False)
+        server = own_server(task, seed, stage, executable, synch_mode=False, **pace)
+        assert server is not None
+        self.server = server
         insight = Insight(values_of(policy))
         self.keepers = insight.of(policy)
-        title = f"{'rcssserver' if found else 'fake server'}, {policy.spec}, {task.size}"
+        title = f"{'rcssserver' if stage == REAL else 'fake server'}, {policy.spec}, {task.size}"
         self.source: MonitorSource = MonitorSource(
             self.server.host, self.server.port, insight, title, patience=60.0, stay=False
         )
 
     async def play(self) -> None:
         """Play the match to its end."""
+        from rcss_hat.numeric.aside import aside
         from rcss_hat.team.match import play
 
+        await aside(self.policy.warm_up)
         await play(self.report, self.task, self.seed, self.keepers, self.episodes, self.server, None)
 
     def close(self) -> None:

@@ -25,8 +25,9 @@ from rcss_hat.protocol.warm_up import warm_up
 
 DONE = b"(done)\0"
 EPISODE_END = "training Keepaway 1"
-WAIT_FOR_SEE = 0.75
-"""Part of a real-time cycle after which a player no longer waits for a see message."""
+WAIT_FOR_SEE, ON_THE_WAY = 0.75, 0.008
+"""Part of a real-time cycle after which a player no longer waits for a see message; seconds of the cycle that must be
+left then for the commands to come in time, but not more than half of it."""
 
 
 class KeepawayPlayer:
@@ -200,7 +201,8 @@ class KeepawayPlayer:
             return None
         if self._has_see and int(self._see["time"][0]) == self.cycle:
             return 0.0
-        return WAIT_FOR_SEE * self.params.number("simulator_step") / 1000.0
+        step = self.params.number("simulator_step") / 1000.0
+        return max(min(WAIT_FOR_SEE * step, step - ON_THE_WAY), 0.5 * step)
 
     def deadline(self) -> list[bytes]:
         """Real time: decide with what is known; returns datagrams to send."""

@@ -38,6 +38,7 @@ class PlayerClient:
         self.on_message = on_message
         self._last_heard = time.monotonic()
         self._timer: asyncio.TimerHandle | None = None
+        self._waiting_in = -1  # the cycle the timer was set in
         self._failure: BaseException | None = None
         self._main: asyncio.Task[None] | None = None
 
@@ -88,14 +89,18 @@ class PlayerClient:
         if wait is None:
             return
         if self._timer is not None:
+            if wait > 0.0 and self._waiting_in == self.player.cycle:
+                return  # another message of the cycle does not put it off
             self._timer.cancel()
             self._timer = None
         if wait <= 0.0:
             self._decide()
         else:
+            self._waiting_in = self.player.cycle
             self._timer = asyncio.get_running_loop().call_later(wait, self._decide)
 
     def _decide(self) -> None:
+        self._timer = None
         for answer in self.player.deadline():
             self.connection.send_now(answer)
 

@@ -10,6 +10,7 @@ from rcss_hat.keepaway.decision import KeeperPolicy, hold_cycles_of
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode, RunReport
 from rcss_hat.keepaway.session import KeepawayPlayer
 from rcss_hat.keepaway.task import Task
+from rcss_hat.numeric.aside import aside
 from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.team.client import PlayerClient
 from rcss_hat.team.connection import ServerGone
@@ -133,7 +134,7 @@ class Match:
 
     async def connect(self) -> None:
         """Compile, then connect everybody in order: keepers first, for the server gives the left side to them."""
-        self.players[0].prepare()
+        await aside(self.players[0].prepare)
         try:
             for client in self.clients:
                 await client.connect()

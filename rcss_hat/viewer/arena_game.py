@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 from rcss_hat.arena.match import ArenaMatch
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.task import Task
+from rcss_hat.numeric.aside import aside
 from rcss_hat.viewer.arena_reel import snapshot_of
 from rcss_hat.viewer.audience import Audience
 from rcss_hat.viewer.demonstration import Demonstration
-from rcss_hat.viewer.frames import Setup
+from rcss_hat.viewer.frames import CYCLE_S, Setup
 from rcss_hat.viewer.narrator import make_frame
 
 STALL = 1.0
@@ -39,8 +41,8 @@ class ArenaGame:
     def __init__(
         self, task: Task, seed: int, policy: TeamPolicy, demonstration: Demonstration, speed: float = 1.0
     ) -> None:
-        self.demonstration, self.speed = demonstration, speed
-        self.setup = Setup.from_params(f"arena, seed {seed}", task.params())
+        self.demonstration = demonstration
+        self.setup = replace(Setup.from_params(f"arena, seed {seed}", task.params()), step_s=CYCLE_S / speed)
         self._match = ArenaMatch(task, seed, policy, external=self._decide, log_frames=True)
 
     def command(self, name: str, value: float) -> bool:
@@ -53,14 +55,14 @@ class ArenaGame:
     async def run(self, audience: Audience) -> None:
         """Play until the demonstration is finished."""
         audience.notice("Compiling; this takes a while the first time.")
-        await asyncio.to_thread(self._cycle, audience, False)
+        await aside(self._cycle, audience, False)
         audience.notice("")
         audience.setup(self.setup, live=True)
         audience.episodes([])
         loop = asyncio.get_running_loop()
         due = loop.time()
         while not self.demonstration.finished:
-            due = max(due + self.setup.cycle_s / self.speed, loop.time() - STALL)
+            due = max(due + self.setup.step_s, loop.time() - STALL)
             await asyncio.sleep(max(due - loop.time(), 0.0))
             self._cycle(audience, True)
 

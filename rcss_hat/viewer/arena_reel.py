@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from typing import Any
 
@@ -12,6 +11,7 @@ from rcss_hat.arena.match import ArenaMatch
 from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
+from rcss_hat.numeric.aside import aside
 from rcss_hat.protocol.play_modes import PLAY_MODES
 from rcss_hat.protocol.records import MAX_PLAYERS
 from rcss_hat.viewer.frames import Player, Setup, Snapshot
@@ -57,7 +57,7 @@ class ArenaReel:
 
     async def grow(self) -> None:
         """Play some cycles more; in a thread, for the first time it compiles."""
-        await asyncio.to_thread(self._play)
+        await aside(self._play)
 
     def _play(self) -> None:
         match = self._match

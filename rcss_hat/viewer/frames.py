@@ -31,6 +31,8 @@ from typing import Any, TypedDict
 from rcss_hat.protocol.params import Value
 
 PITCH_LENGTH, PITCH_WIDTH = 105.0, 68.0
+CYCLE_S = 0.1
+"""Seconds of the game in a cycle, at whatever pace it is played."""
 TEAMS = ("keepers", "takers")
 HOLD = "Hold"
 
@@ -141,8 +143,8 @@ class Setup:
         Of the Keepaway region, or of the pitch, in metres.
     reach : float
         Distance within which a player can kick the ball, metres.
-    cycle_s : float
-        Seconds per cycle in real time.
+    step_s : float
+        Seconds that people wait from one cycle to the next; the game's own cycles last `CYCLE_S` whatever the pace.
     teams : (str, str)
         Names of the left and the right team.
     """
@@ -152,7 +154,7 @@ class Setup:
     length: float = 20.0
     width: float = 20.0
     reach: float = 1.085
-    cycle_s: float = 0.1
+    step_s: float = CYCLE_S
     teams: tuple[str, str] = TEAMS
 
     @classmethod

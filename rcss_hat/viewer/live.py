@@ -68,6 +68,7 @@ class MonitorSource:
         WatchError
             When no server answers, it refuses, or it has gone.
         """
+        audience.notice(f"Waiting for the server at {self.host}:{self.port}.")
         await self._session(audience)
         while True:
             audience.notice(f"The server at {self.host}:{self.port} has gone; waiting for it to come back.")

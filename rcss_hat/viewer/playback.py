@@ -149,7 +149,7 @@ class Playback:
         while True:
             self._changed.clear()
             self._show(audience)
-            begun, first, period = loop.time(), self.position, self.reel.setup.cycle_s / self.speed
+            begun, first, period = loop.time(), self.position, self.reel.setup.step_s / self.speed
             while self.playing and not self._changed.is_set():
                 due = begun + (self.position + 1 - first) * period
                 await self._pause(max(due - loop.time(), TICK))

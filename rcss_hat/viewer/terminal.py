@@ -13,7 +13,7 @@ from typing import Any, TextIO
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode
 from rcss_hat.viewer.audience import Source
 from rcss_hat.viewer.demonstration import Demonstration
-from rcss_hat.viewer.frames import Frame, Setup, action_name
+from rcss_hat.viewer.frames import CYCLE_S, Frame, Setup, action_name
 
 MARGIN = 1.5
 """Metres shown around the region."""
@@ -202,16 +202,16 @@ class Terminal:
         return [*pitch, *(line[:columns] for line in self._figures(setup, frame))]
 
     def _figures(self, setup: Setup, frame: Frame) -> list[str]:
-        seconds = (frame["time"] - frame["start"]) * setup.cycle_s
+        seconds = (frame["time"] - frame["start"]) * CYCLE_S
         lines = [
             f"{setup.title}   episode {frame['episode']}, {seconds:.1f} s   cycle {frame['time']}, {frame['mode']}"
         ]
         if self._episodes:
             last = self._episodes[-1]
-            mean = sum(e.cycles for e in self._episodes) * setup.cycle_s / len(self._episodes)
+            mean = sum(e.cycles for e in self._episodes) * CYCLE_S / len(self._episodes)
             reason = _REASONS.get(last.reason, "ended")
             lines.append(
-                f"{len(self._episodes)} ended, mean {mean:.2f} s; last {last.cycles * setup.cycle_s:.1f} s, {reason}"
+                f"{len(self._episodes)} ended, mean {mean:.2f} s; last {last.cycles * CYCLE_S:.1f} s, {reason}"
             )
         if self.controls is not None:
             lines += self._recording(self.controls, frame)

@@ -102,7 +102,6 @@ def test_referee_writes_the_log_of_a_match_of_others(tmp_path: Path) -> None:
         (("play", "--keepers", "clever"), "none of hold, random, hand"),
         (("play", "--episodes", "0"), "0 is not in the range"),
         (("play", "--on", "arena", "--referee", "trainer"), "a trainer referees on a server, not in the arena"),
-        (("demonstrate", "--out", "x.csv", "--speed", "5"), "servers play in real time"),
         (("demonstrate", "--out", "x.csv", "--teacher", "A"), "use --on arena"),
         (("demonstrate", "--out", "x.csv", "--browser", "--actions", "hold,pass7"), "there are hold, pass1, pass2"),
         (("summarize",), "Missing argument"),

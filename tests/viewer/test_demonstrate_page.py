@@ -129,6 +129,8 @@ async def test_keys_become_the_decisions_of_the_next_cycle(tmp_path: Path, open_
             noted = await page.evaluate("inputs.length")
             await ask(page, ways[0], frame)
             await page.evaluate(f"globalThis.again = {frame['time'] + 5}")
+            if any(i["holder"] != frame["holder"] for i in (await page.evaluate("inputs"))[noted:]):
+                continue  # the picture had moved on before the key was down
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(1.0):
                     while len(demonstration.passes) == before:

@@ -65,12 +65,12 @@ def test_setup_comes_from_the_server_parameters() -> None:
     setup = setup_of(params, "here", ("blue", "red"))
     assert (setup.title, setup.keepaway, setup.length, setup.width) == ("here", True, 20.0, 20.0)
     assert setup.reach == pytest.approx(1.085)
-    assert (setup.cycle_s, setup.teams) == (0.1, ("blue", "red"))
+    assert (setup.step_s, setup.teams) == (0.1, ("blue", "red"))
 
 
 def test_setup_of_an_ordinary_match_is_the_whole_pitch() -> None:
     params = read(b"(server_param (keepaway 0)(simulator_step 50)(some_new_thing 3))")
     assert isinstance(params, messages.ServerParam)
     setup = setup_of(params, "here")
-    assert (setup.keepaway, setup.length, setup.width, setup.cycle_s) == (False, 105.0, 68.0, 0.05)
+    assert (setup.keepaway, setup.length, setup.width, setup.step_s) == (False, 105.0, 68.0, 0.05)
     assert setup_of(None, "here").keepaway

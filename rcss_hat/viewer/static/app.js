@@ -1,6 +1,6 @@
 // The page: takes messages from the viewer's server, shows them, and sends back what the person does.
 
-import { Facts, History, ending, playerName } from "./panels.js";
+import { Facts, History, ending, playerName, seconds } from "./panels.js";
 import { Pitch, keyText } from "./pitch.js";
 import { listen, nextSpeed } from "./keys.js";
 import { Theme } from "./theme.js";
@@ -80,7 +80,6 @@ class Viewer {
     this.setup = message.setup;
     this.live = message.live;
     this.pitch.setSetup(this.setup);
-    this.history.setup(this.setup);
     $("title").textContent = this.setup.title;
     document.title = `${this.setup.title} \u2013 rcss-hat`;
     $("legend-left").textContent = this.setup.teams[0];
@@ -111,14 +110,14 @@ class Viewer {
     this.described = now;
     const { frame, setup } = this;
     const holder = frame.holder ? `${playerName(frame.holder, setup)} has the ball` : "the ball is loose";
-    const time = ((frame.time - frame.start) * setup.cycle_s).toFixed(1);
+    const time = seconds(frame.time - frame.start);
     const keys = this.pitch.playing ? frame.choices.map((c) => `; key ${c.action} passes to ${playerName(c.mate, setup)}`).join("") : "";
     $("pitch").setAttribute("aria-label", `Episode ${frame.episode}, ${time} seconds; ${holder}${keys}`);
   }
 
   takeEpisode(episode) {
     this.history.add(episode);
-    const text = ending(episode, this.setup?.cycle_s ?? 0.1);
+    const text = ending(episode);
     this.banner(text);
     $("announcer").textContent = `Episode ${episode.number}: ${text}.`;
   }
@@ -234,7 +233,7 @@ class Viewer {
     $("play-pause").setAttribute("aria-label", text);
     const option = [...$("speed").options].find((o) => Number(o.value) === status.speed);
     if (option) $("speed").value = option.value;
-    const clock = (status.position * (this.setup?.cycle_s ?? 0.1)).toFixed(1);
+    const clock = seconds(status.position);
     $("clock").textContent = `${clock} s`;
     $("position").setAttribute("aria-valuetext", `${clock} seconds`);
   }

@@ -3,7 +3,8 @@
 const MEAN_OF = 20;
 const $ = (id) => document.getElementById(id);
 const REASONS = { o: "ball out", t: "ball taken", "?": "ended" };
-const seconds = (cycles, cycle_s) => (cycles * cycle_s).toFixed(1);
+const CYCLE_S = 0.1; // of the game, at whatever pace it is played
+export const seconds = (cycles) => (cycles * CYCLE_S).toFixed(1);
 
 function setText(node, text) { if (node.textContent !== text) node.textContent = text; }
 
@@ -28,9 +29,8 @@ export class Facts {
   constructor() { this.setup = null; this.shape = ""; }
 
   show(frame, setup) {
-    const cycle_s = setup.cycle_s;
     setText($("episode"), setup.keepaway ? (frame.episode ? String(frame.episode) : "under way") : "none: no Keepaway");
-    setText($("duration"), seconds(Math.max(0, frame.time - frame.start), cycle_s));
+    setText($("duration"), seconds(Math.max(0, frame.time - frame.start)));
     setText($("holder"), frame.holder ? playerName(frame.holder, setup) : "loose");
     setText($("mode"), frame.mode.replaceAll("_", " "));
     setText($("cycle"), String(frame.time));
@@ -100,7 +100,6 @@ export class History {
     this.pitch = pitch;
     this.episodes = [];
     this.bars = [];
-    this.cycle_s = 0.1;
     this.current = 0;
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
@@ -109,17 +108,16 @@ export class History {
   add(episode) { this.episodes.push(episode); this.draw(); }
   // Mark the episode that is shown, where a recording can be sought.
   mark(number) { if (number !== this.current) { this.current = number; this.draw(); } }
-  setup(setup) { this.cycle_s = setup.cycle_s; this.draw(); }
 
   draw() {
-    const { canvas, episodes, cycle_s } = this, c = canvas.getContext("2d");
+    const { canvas, episodes } = this, c = canvas.getContext("2d");
     const density = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
     canvas.width = Math.max(1, Math.round(box.width * density));
     canvas.height = Math.max(1, Math.round(box.height * density));
     const width = canvas.width, height = canvas.height, colours = this.pitch.colours;
     const room = Math.max(1, Math.floor((width - 28 * density) / (5 * density)));
     const first = Math.max(0, episodes.length - room), shown = episodes.slice(first);
-    const top = Math.max(5, ...shown.map((e) => e.cycles * cycle_s));
+    const top = Math.max(5, ...shown.map((e) => e.cycles * CYCLE_S));
     const left = 26 * density, floor = height - 3 * density, unit = (floor - 10 * density) / top;
     c.font = `${10 * density}px system-ui, sans-serif`;
     c.textAlign = "right";
@@ -141,10 +139,10 @@ export class History {
     this.bars = shown.map((e, k) => {
       const x = left + k * pitch + pitch * 0.12;
       c.fillStyle = e.reason === "t" ? colours.taker : colours.keeper;
-      c.fillRect(x, floor - e.cycles * cycle_s * unit, pitch * 0.76, Math.max(e.cycles * cycle_s * unit, density));
+      c.fillRect(x, floor - e.cycles * CYCLE_S * unit, pitch * 0.76, Math.max(e.cycles * CYCLE_S * unit, density));
       if (e.number === this.current) {
         c.strokeStyle = colours.ink;
-        c.strokeRect(x, floor - e.cycles * cycle_s * unit, pitch * 0.76, Math.max(e.cycles * cycle_s * unit, density));
+        c.strokeRect(x, floor - e.cycles * CYCLE_S * unit, pitch * 0.76, Math.max(e.cycles * CYCLE_S * unit, density));
       }
       return { from: (left + k * pitch) / density, to: (left + (k + 1) * pitch) / density, episode: e };
     });
@@ -154,7 +152,7 @@ export class History {
     c.beginPath();
     shown.forEach((_, k) => {
       const window_ = episodes.slice(Math.max(0, first + k + 1 - MEAN_OF), first + k + 1);
-      const mean = window_.reduce((sum, e) => sum + e.cycles, 0) / window_.length * cycle_s;
+      const mean = window_.reduce((sum, e) => sum + e.cycles, 0) / window_.length * CYCLE_S;
       const x = left + (k + 0.5) * pitch, y = floor - mean * unit;
       if (k === 0) c.moveTo(x, y); else c.lineTo(x, y);
     });
@@ -163,11 +161,11 @@ export class History {
   }
 
   describe() {
-    const { episodes, cycle_s } = this;
+    const { episodes } = this;
     if (!episodes.length) { setText($("history-text"), "None has ended yet."); return; }
-    const mean = episodes.reduce((sum, e) => sum + e.cycles, 0) / episodes.length * cycle_s;
+    const mean = episodes.reduce((sum, e) => sum + e.cycles, 0) / episodes.length * CYCLE_S;
     const last = episodes[episodes.length - 1];
-    const text = `${episodes.length} ended, mean ${mean.toFixed(2)} s; last ${seconds(last.cycles, cycle_s)} s, ${REASONS[last.reason]}`;
+    const text = `${episodes.length} ended, mean ${mean.toFixed(2)} s; last ${seconds(last.cycles)} s, ${REASONS[last.reason]}`;
     setText($("history-text"), text);
     this.canvas.setAttribute("aria-label", `Durations of the episodes: ${text}`);
   }
@@ -179,7 +177,7 @@ export class History {
   }
 }
 
-export function ending(episode, cycle_s) {
+export function ending(episode) {
   const reason = { o: "Ball out", t: "Ball taken", "?": "Ended" }[episode.reason];
-  return `${reason} after ${seconds(episode.cycles, cycle_s)} s`;
+  return `${reason} after ${seconds(episode.cycles)} s`;
 }

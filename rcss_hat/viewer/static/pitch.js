@@ -15,7 +15,7 @@ export class Pitch {
   constructor(canvas) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
-    this.setup = { length: 20, width: 20, keepaway: true, reach: 1.085, cycle_s: 0.1 };
+    this.setup = { length: 20, width: 20, keepaway: true, reach: 1.085, step_s: 0.1 };
     this.current = null;
     this.previous = null;
     this.arrived = 0;
@@ -58,7 +58,7 @@ export class Pitch {
     const before = this.current;
     if (before && (frame.time < before.time || frame.time - before.time > 20)) this.trail = [];
     this.previous = before && frame.time > before.time && frame.time - before.time <= 3 * Math.max(1, speed) ? before : null;
-    const expected = this.setup.cycle_s * 1000 / speed * (before ? frame.time - before.time : 1);
+    const expected = this.setup.step_s * 1000 / speed * (before ? frame.time - before.time : 1);
     this.span = Math.min(Math.max(expected, 1), 150) * (this.playing ? 0.5 : 1);
     this.current = frame;
     this.arrived = now;
