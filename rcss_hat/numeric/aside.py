@@ -9,8 +9,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ctypes
+import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -73,6 +74,27 @@ async def aside(work: Callable[P, T], *arguments: P.args, **keywords: P.kwargs) 
 
 
 async def _stop(thread: threading.Thread) -> None:
+    with _unwanted_is_unsaid():
+        await _remind(thread)
+
+
+@contextlib.contextmanager
+def _unwanted_is_unsaid() -> Iterator[None]:
+    """Say nothing of an `Unwanted` that comes where exceptions are printed, not raised: in the compiler's callbacks."""
+    usual = sys.unraisablehook
+
+    def hook(unraisable: sys.UnraisableHookArgs) -> None:
+        if unraisable.exc_type is not Unwanted:
+            usual(unraisable)
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = usual
+
+
+async def _remind(thread: threading.Thread) -> None:
     while thread.is_alive():
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread.ident or 0), ctypes.py_object(Unwanted))
         waited = 0.0

@@ -78,8 +78,29 @@ async def test_who_swallows_the_word_is_told_again(monkeypatch: pytest.MonkeyPat
     assert [type(error).__name__ for error in told] == ["Unwanted"] * 3
 
 
+async def test_nothing_is_said_of_it_where_exceptions_cannot_be_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The compiler calls back into Python; exceptions there are printed, and go no further."""
+    began, said = threading.Event(), []
+    monkeypatch.setattr(sys, "unraisablehook", said.append)
+
+    class Callback:
+        def __del__(self) -> None:
+            while True:
+                began.set()
+                time.sleep(0.001)
+
+    task = asyncio.create_task(aside(lambda: str(Callback())))
+    while not began.is_set():
+        await asyncio.sleep(0.001)
+    task.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await task
+    assert said == []
+    assert sys.unraisablehook == said.append
+
+
 def test_a_program_ends_although_work_goes_on() -> None:
-    """As with a second Ctrl-C: whoever does not wait for the thread to stop is not held up by it."""
+    """Work that never ends by itself does not hold up a program that does not wait for it (a second Ctrl-C)."""
     began, ended = threading.Event(), []
 
     async def leave() -> None:
