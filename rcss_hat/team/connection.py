@@ -94,7 +94,8 @@ class Connection:
         for _ in range(attempts):
             await stream.send(first, address)
             try:
-                reply, sender = received(await asyncio.wait_for(stream.recv(), pause))
+                async with asyncio.timeout(pause):
+                    reply, sender = received(await stream.recv())
             except TimeoutError:
                 continue
             except OSError:

@@ -70,7 +70,8 @@ async def answers(host: str, port: int, patience: float, check: Callable[[], Non
             try:
                 probe.connect((host, port))
                 probe.send(b"(ping)\0")  # not a command: the answer is an error, and nothing changes
-                await asyncio.wait_for(loop.sock_recv(probe, 1024), 0.2)
+                async with asyncio.timeout(0.2):
+                    await loop.sock_recv(probe, 1024)
                 return True
             except (OSError, TimeoutError):
                 await asyncio.sleep(0.05)
@@ -210,7 +211,8 @@ class ServerProcess:
         if process is not None and process.returncode is None:
             process.send_signal(signal.SIGINT)
             try:
-                await asyncio.wait_for(process.wait(), STOP_TIMEOUT)
+                async with asyncio.timeout(STOP_TIMEOUT):
+                    await process.wait()
             except TimeoutError:
                 process.kill()
                 await process.wait()

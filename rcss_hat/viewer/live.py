@@ -85,7 +85,8 @@ class MonitorSource:
             session.take(first)
             while True:
                 try:
-                    data, _ = await asyncio.wait_for(stream.recv(), self.patience)
+                    async with asyncio.timeout(self.patience):
+                        data, _ = await stream.recv()
                 except TimeoutError:
                     break
                 except (OSError, asyncio_dgram.TransportClosed):
@@ -116,7 +117,8 @@ class MonitorSource:
             while loop.time() < give_up:
                 await stream.send(greeting, address)
                 try:
-                    reply, sender = await asyncio.wait_for(stream.recv(), RETRY)
+                    async with asyncio.timeout(RETRY):
+                        reply, sender = await stream.recv()
                 except TimeoutError:
                     continue
                 except OSError:

@@ -182,7 +182,8 @@ class Viewer:
                 await self._source_task
         for browser in list(self._browsers):
             with contextlib.suppress(ConnectionError, TimeoutError):
-                await asyncio.wait_for(browser.flush(), FAREWELL)
+                async with asyncio.timeout(FAREWELL):
+                    await browser.flush()
             await browser.socket.close(code=1001, message=b"the viewer was closed")
         if self._runner is not None:
             await self._runner.cleanup()

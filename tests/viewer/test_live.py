@@ -142,3 +142,36 @@ async def test_who_stays_sees_the_server_when_it_comes_back() -> None:
     assert len(audience.setups) >= 2
     task.cancel()
     await asyncio.gather(task, return_exceptions=True)
+
+
+class OneMoment:
+    """A stream that has a datagram in the very moment in which the test stops watching, and none after it."""
+
+    def __init__(self) -> None:
+        self.waiting: asyncio.Future[tuple[bytes, Address]] | None = None
+
+    async def recv(self) -> tuple[bytes, Address]:
+        self.waiting = asyncio.get_running_loop().create_future()
+        return await self.waiting
+
+    async def send(self, data: bytes, address: Address) -> None:
+        assert data == b"(dispbye)\0"
+
+    def close(self) -> None:
+        return
+
+
+async def test_a_datagram_in_the_last_moment_does_not_keep_us_watching(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream, first, *_ = OneMoment(), *datagrams("monitor-v5.txt.gz")
+
+    async def connect(source: MonitorSource) -> tuple[OneMoment, Address, bytes]:
+        return stream, ("127.0.0.1", 6000), first
+
+    monkeypatch.setattr(MonitorSource, "_connect", connect)
+    watching = asyncio.create_task(MonitorSource("127.0.0.1", 6000).run(Remembering()))
+    await until(lambda: stream.waiting)
+    assert stream.waiting is not None
+    stream.waiting.set_result((first, ("127.0.0.1", 6000)))
+    watching.cancel()
+    done, _ = await asyncio.wait({watching}, timeout=5.0)
+    assert done and watching.cancelled()
