@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fake_server.options import PATIENCE
 from fake_server.simulation import clock
 from fake_server.simulation.state import N_PLAYERS
 
@@ -42,7 +43,7 @@ class Timing:
         Seconds for monitors to catch up, in every 32nd cycle of a match that somebody watches.
     """
 
-    patience: float = 1.25
+    patience: float = PATIENCE
     most_misses: int = 20
     pause: float = 0.05
     monitor_pause: float = 0.02

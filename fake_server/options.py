@@ -19,6 +19,8 @@ from rcss_hat.protocol.params import KIND_NAMES, PROFILES, Parameter, ServerPara
 from rcss_hat.protocol.records import SAY_SIZE
 
 PROGRAM = "fake-rcssserver"
+PATIENCE = 1.25
+"""Seconds that rcssserver waits for a client in synch mode."""
 USAGE = f"""\
 Usage: {PROGRAM} [OPTIONS] [server::NAME=VALUE] [player::NAME=VALUE] ...
        {PROGRAM} replay FILE [--port P] [--bind ADDRESS]
@@ -30,6 +32,7 @@ Options:
   --profile VERSION  defaults and rules of server {" or ".join(PROFILES)} (default {PROFILES[0]})
   --bind ADDRESS     address to listen on (default 127.0.0.1; 0.0.0.0 is every network)
   --episodes N       stop after N Keepaway episodes
+  --patience SECONDS how long synch mode waits for a client (default 1.25, as the original)
   --quiet            print nothing but warnings
   --help             show this text
 
@@ -44,7 +47,7 @@ Example: Keepaway 3 vs 2 at full speed, starting 5 seconds after the first step
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "off": False, "on": True, "no": False, "yes": True}
-_TAKES_VALUE = ("--seed", "--profile", "--bind", "--episodes")
+_TAKES_VALUE = ("--seed", "--profile", "--bind", "--episodes", "--patience")
 _FLAGS = ("--quiet", "--help")
 
 
@@ -104,6 +107,8 @@ class ServerOptions:
         Address to listen on.
     episodes : int or None
         Stop after so many Keepaway episodes.
+    patience : float
+        Seconds that synch mode waits for a client's ``(done)``.
     quiet : bool
         Print nothing on standard output.
     """
@@ -113,6 +118,7 @@ class ServerOptions:
     seed: int | None = None
     bind: str = "127.0.0.1"
     episodes: int | None = None
+    patience: float = PATIENCE
     quiet: bool = False
 
 
@@ -141,6 +147,7 @@ def parse_options(arguments: Iterable[str]) -> ServerOptions:
         seed=_natural(own, "--seed", 0),
         bind=own.get("--bind", "127.0.0.1"),
         episodes=_natural(own, "--episodes", 1),
+        patience=_seconds(own, "--patience", PATIENCE),
         quiet="--quiet" in own,
     )
     for assignment in assignments:
@@ -198,6 +205,15 @@ def _natural(own: dict[str, str], name: str, least: int) -> int | None:
     if not (text.isascii() and text.isdigit()) or int(text) < least:
         raise UsageError(f"{name} takes an integer of at least {least}, not {text!r}")
     return int(text)
+
+
+def _seconds(own: dict[str, str], name: str, otherwise: float) -> float:
+    text = own.get(name)
+    if text is None:
+        return otherwise
+    if not _NUMBER.fullmatch(text) or not 0.0 < float(text) <= 3600.0:
+        raise UsageError(f"{name} takes seconds, more than 0 and at most 3600, not {text!r}")
+    return float(text)
 
 
 def _assign(options: ServerOptions, assignment: str) -> None:

@@ -50,7 +50,7 @@ class Server:
     on_episode : callable, optional
         See EpisodeCallback; called in the server's thread.
     timing : Timing, optional
-        How long to wait in synch mode.
+        How long to wait in synch mode, instead of what the options say.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Server:
     def __init__(
         self, options: ServerOptions, on_episode: EpisodeCallback | None = None, timing: Timing | None = None
     ) -> None:
-        self.options, self.on_episode, self._timing = options, on_episode, timing or Timing()
+        self.options, self.on_episode, self._timing = options, on_episode, timing or Timing(options.patience)
         self._started = time.time()
         self.seed = options.seed if options.seed is not None else int(self._started)
         self.game = Game(options, self.seed)

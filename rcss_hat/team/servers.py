@@ -20,6 +20,8 @@ from rcss_hat.team.options import server_options
 
 KWY_NAME = "keepaway"
 STOP_TIMEOUT = 5.0
+PATIENCE = 5.0
+"""Seconds that a seeded fake server waits for a player: on a busy machine, too, the seed decides the match."""
 
 
 class ServerFailed(RuntimeError):
@@ -137,7 +139,7 @@ class ServerProcess:
         )
         if self.executable is not None:
             return [self.executable, *options]
-        seeded = [] if self.seed is None else [f"--seed={self.seed}"]
+        seeded = [] if self.seed is None else [f"--seed={self.seed}", f"--patience={PATIENCE:g}"]
         return [sys.executable, "-m", "fake_server", *seeded, *options]
 
     async def start(self) -> None:

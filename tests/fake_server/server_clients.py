@@ -135,7 +135,7 @@ class Clients:
 @contextmanager
 def serving(
     wanted: ServerOptions,
-    timing: Timing = FAST,
+    timing: Timing | None = FAST,
     on_episode: Callable[[int, int, int, bool], None] | None = None,
 ) -> Iterator[Clients]:
     """A running server, and clients for it."""

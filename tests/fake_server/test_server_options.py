@@ -27,8 +27,9 @@ def test_options_of_the_keepaway_start_script() -> None:
 
 def test_own_options_may_stand_anywhere() -> None:
     line = "server::kick_rand=0.2 --profile 11.1 --seed=7 --bind 0.0.0.0 player::player_types=3 --episodes 5 --quiet"
-    options = parse_options(line.split())
+    options = parse_options([*line.split(), "--patience", "2.5"])
     assert (options.seed, options.bind, options.episodes, options.quiet) == (7, "0.0.0.0", 5, True)
+    assert (options.patience, parse_options([]).patience) == (2.5, 1.25)
     assert options.params.profile == "11.1"
     assert options.params["kick_rand"] == 0.2
     assert options.params["stamina_max"] == 4000.0
@@ -65,6 +66,8 @@ def test_texts_may_be_quoted() -> None:
         ("--seed", "--seed needs a value"),
         ("--seed -1", "--seed takes an integer of at least 0, not '-1'"),
         ("--episodes 0", "--episodes takes an integer of at least 1"),
+        ("--patience 0", "--patience takes seconds, more than 0 and at most 3600, not '0'"),
+        ("--patience long", "not 'long'"),
         ("--profile 12", "--profile takes 19.0 or 11.1, not '12'"),
         ("server::say_msg_size=20", "at most 10"),
         ("server::game_log_version=7", "at most 6"),

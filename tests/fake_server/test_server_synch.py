@@ -288,6 +288,15 @@ def test_who_answered_while_the_server_was_busy_has_not_missed(
     assert "missed" not in capfd.readouterr().err
 
 
+def test_the_options_say_how_long_to_wait() -> None:
+    wanted = keepaway()
+    wanted.patience = 0.001
+    with serving(wanted, timing=None) as clients:
+        clients.player()
+        clients.monitor().send("(dispstart)")
+        wait_for(lambda: clients.server.exit_code == 1)  # after 21 waits, of 1.25 s otherwise
+
+
 def test_the_waits_are_the_originals() -> None:
     assert Timing() == Timing(patience=1.25, most_misses=20, pause=0.05, monitor_pause=0.02)
 
