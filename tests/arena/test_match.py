@@ -73,7 +73,7 @@ def test_decisions_are_those_of_the_policy() -> None:
     match = make(log_decisions=True)
     episodes(match, min(EPISODES, 5))
     decisions = match.take_decisions()
-    assert len(decisions) > 20
+    assert len(decisions) > 10
     assert all(d["action"] == hand(d["state"], 3, 2) for d in decisions)
     assert set(decisions["keeper"]) <= {1, 2, 3}
     assert np.all(decisions["state"][:, 1] <= decisions["state"][:, 2])
