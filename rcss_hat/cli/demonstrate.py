@@ -161,11 +161,14 @@ def demonstrate(
 
 def _policy(teacher: str, task: Task, seed: int) -> TeamPolicy:
     from rcss_hat.hat.policy import PolicyError, load_policy
+    from rcss_hat.hat.teachers import STYLES
 
     try:
         return load_policy(teacher, task.keepers, task.takers, seed)
     except PolicyError as error:
-        raise click.BadParameter(str(error), param_hint="--teacher") from error
+        raise click.BadParameter(
+            f"{error}; scripted persons are {', '.join(STYLES)}", param_hint="--teacher"
+        ) from error
 
 
 def _scripted(

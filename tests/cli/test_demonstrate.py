@@ -24,6 +24,7 @@ def invoke(*arguments: str) -> tuple[int, str]:
     ("arguments", "message"),
     [
         (("demonstrate", "--out", "x.csv", "--speed", "5"), "--speed is for people: give it with --browser or"),
+        (("demonstrate", "--out", "x.csv", "--teacher", "D"), "scripted persons are A, B, C, B-fast, B-limited"),
         ((*BY_HAND, "--on", "fake", "--speed", "3"), "multiples of 10 ms, from 20 ms; try 2.5 or 3.33"),
         ((*BY_HAND, "--on", "real", "--speed", "10"), "servers cannot play 10 times as fast"),
         (
@@ -37,7 +38,7 @@ def invoke(*arguments: str) -> tuple[int, str]:
         (("server", "--fake", "--real-time", "--speed", "3"), "try 2.5 or 3.33"),
     ],
 )
-def test_speeds_that_cannot_be_are_named(
+def test_what_cannot_be_is_named(
     arguments: tuple[str, ...], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -231,6 +231,7 @@ def test_best_lane_is_chosen(seed: int, size: tuple[int, int]) -> None:
 def test_styles_differ_as_described() -> None:
     a, b, c = STYLES["A"], STYLES["B"], STYLES["C"]
     assert a.pass_distance < b.pass_distance
+    assert c.far_bonus < a.far_bonus < b.far_bonus
     assert c.misjudgement > max(a.misjudgement, b.misjudgement)
     assert c.slip > max(a.slip, b.slip)
     assert STYLES["B-fast"] == b.fast(5.0)
