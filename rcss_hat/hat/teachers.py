@@ -53,6 +53,7 @@ TEACHER = np.dtype(
         ("far_bonus", "f8"),
         ("misjudgement", "f8"),
         ("lapse", "f8"),
+        ("unready", "f8"),
         ("lapse_cycles", "f8"),
         ("slip", "f8"),
         ("max_action", "i4"),
@@ -111,6 +112,8 @@ class Teacher:
         Standard deviation of the relative error of judged distances and angles.
     lapse : float
         Probability of not attending at the beginning of a possession.
+    unready : float
+        The same for the first possession of an episode: not ready when play begins again.
     lapse_cycles : float
         How long a lapse lasts at most (cycles).
     slip : float
@@ -130,6 +133,7 @@ class Teacher:
     far_bonus: float = 0.0
     misjudgement: float = 0.1
     lapse: float = 0.0
+    unready: float = 0.0
     lapse_cycles: float = 15.0
     slip: float = 0.0
     max_action: int = MAX_PLAYERS - 1
@@ -140,7 +144,7 @@ class Teacher:
                 f"delay - delay_spread must be 0 or more and delay + delay_spread at most {MAX_DELAY} cycles, not "
                 f"{self.delay:g} and {self.delay_spread:g}"
             )
-        for name in ("anticipation", "lapse", "slip"):
+        for name in ("anticipation", "lapse", "unready", "slip"):
             if not 0.0 <= getattr(self, name) <= 1.0:
                 kind = "share" if name == "anticipation" else "probability"
                 raise ValueError(f"{name} is a {kind} from 0 to 1, not {getattr(self, name):g}")
@@ -174,19 +178,20 @@ class Teacher:
 
 _B = Teacher(
     delay=2.5, delay_spread=1.0, anticipation=0.6, pass_distance=6.5, panic_distance=1.5, open=72.0, space_weight=3.0,
-    far_bonus=46.0, misjudgement=0.03, lapse=0.01, slip=0.005,
+    far_bonus=46.0, misjudgement=0.03, lapse=0.01, unready=0.01, slip=0.005,
 )  # fmt: skip
 
 STYLES: Mapping[str, Teacher] = MappingProxyType(
     {
         "A": Teacher(
             delay=4.0, delay_spread=1.0, anticipation=0.75, pass_distance=4.0, panic_distance=0.8, open=70.0,
-            space_weight=3.0, far_bonus=0.0, misjudgement=0.03, lapse=0.01, slip=0.005,
+            space_weight=3.0, far_bonus=0.0, misjudgement=0.03, lapse=0.01, unready=0.2, lapse_cycles=30.0,
+            slip=0.005,
         ),
         "B": _B,
         "C": Teacher(
             delay=3.0, delay_spread=1.0, anticipation=0.8, pass_distance=4.4, panic_distance=0.5, open=66.0,
-            space_weight=2.0, far_bonus=-10.0, misjudgement=0.06, lapse=0.02, slip=0.01,
+            space_weight=2.0, far_bonus=-10.0, misjudgement=0.06, lapse=0.02, unready=0.2, lapse_cycles=30.0, slip=0.01,
         ),
         "B-fast": _B.fast(),
         "B-limited": _B.limited(),
@@ -346,11 +351,12 @@ def _begin_possession(
     teacher: NDArray[np.void], memory: NDArray[np.void], holder: int, n_keepers: int, rng: NDArray[np.uint64]
 ) -> None:
     """Draw what a person brings to a possession: reaction time, attention, errors."""
+    inattention = teacher["unready"][0] if memory["holder"][0] == NOBODY else teacher["lapse"][0]
     memory["holder"][0] = holder
     spread = teacher["delay_spread"][0]
     memory["delay"][0] = int(round(teacher["delay"][0] + uniform(rng, -spread, spread)))
     awake = memory["pictures"][0]
-    if bernoulli(rng, teacher["lapse"][0]):
+    if bernoulli(rng, inattention):
         awake += integer(rng, int(teacher["lapse_cycles"][0]) + 1)
     memory["awake"][0] = awake
     error = teacher["misjudgement"][0]

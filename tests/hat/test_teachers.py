@@ -172,10 +172,26 @@ def test_slip_presses_another_key() -> None:
 
 
 def test_lapse_delays_the_key() -> None:
-    dreamy = Teacher(delay=4.0, delay_spread=0.0, misjudgement=0.0, lapse=1.0, lapse_cycles=12.0)
-    first = [keys(ScriptedTeacher(dreamy, seed), ON_NEAR_LANE, range(40)).index(2) for seed in range(100)]
-    assert min(first) == 4
-    assert max(first) == 12
+    dreamy = Teacher(delay=4.0, delay_spread=0.0, anticipation=0.0, misjudgement=0.0, lapse=1.0, lapse_cycles=12.0)
+    first = []
+    for seed in range(100):
+        teacher = ScriptedTeacher(dreamy, seed)
+        for cycle in range(20):
+            teacher(cycle, KEEPERS[1], KEEPERS, FAR)
+        first.append(keys(teacher, ON_NEAR_LANE, range(20, 60)).index(2))
+    assert (min(first), max(first)) == (4, 12)
+
+
+def test_who_is_not_ready_when_play_begins_is_so_later() -> None:
+    sleepy = Teacher(delay=4.0, delay_spread=0.0, misjudgement=0.0, unready=1.0, lapse_cycles=12.0)
+    first, second = set(), set()
+    for seed in range(100):
+        teacher = ScriptedTeacher(sleepy, seed)
+        first.add(keys(teacher, ON_NEAR_LANE, range(40)).index(2))
+        teacher(40, KEEPERS[1], KEEPERS, ON_NEAR_LANE)
+        second.add(keys(teacher, ON_NEAR_LANE, range(41, 60)).index(2))
+    assert (min(first), max(first)) == (4, 12)
+    assert len(second) == 1  # in the next possession he attends
 
 
 def test_misjudgement_varies_between_but_not_within_possessions() -> None:
