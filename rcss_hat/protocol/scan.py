@@ -16,9 +16,19 @@ PLUS, MINUS, POINT, ZERO, NINE, UPPER_E, LOWER_E = 43, 45, 46, 48, 57, 69, 101
 LOWER_A, LOWER_Z, UNDERSCORE = 97, 122, 95
 
 # Why a message was refused; the index where is returned with it.
-WANT_NAME, WANT_NUMBER, WANT_SPACE, WANT_OPEN, WANT_CLOSE, BAD_UNUM, BAD_COUNT, BAD_WORD, TOO_MANY, MISSING = range(
-    1, 11
-)
+(
+    WANT_NAME,
+    WANT_NUMBER,
+    WANT_SPACE,
+    WANT_OPEN,
+    WANT_CLOSE,
+    BAD_UNUM,
+    BAD_COUNT,
+    BAD_WORD,
+    TOO_MANY,
+    MISSING,
+    BAD_RANGE,
+) = range(1, 12)
 REASONS = (
     "",
     "unknown message or name",
@@ -31,8 +41,13 @@ REASONS = (
     "unexpected word",
     "too many objects",
     "the message lacks a required part",
+    "a number out of range",
 )
 
+MOST_DEGREES = 360.0
+"""No server writes greater angles; the players' tables end there."""
+MOST = 1e6
+"""No server writes greater distances, speeds, stamina; their squares are finite."""
 POWERS_OF_TEN = np.array([10.0**k for k in range(23)])
 """Those that a double holds exactly."""
 _UINT8 = np.dtype(np.uint8)
@@ -107,6 +122,18 @@ def number(data: NDArray[np.uint8], i: int) -> tuple[float, int]:
     if places > 0:
         value /= float(POWERS_OF_TEN[places])
     return (-value if negative else value), i
+
+
+@njit
+def is_angle(value: float) -> bool:
+    """Tell whether a number can be an angle in degrees."""
+    return -MOST_DEGREES <= value <= MOST_DEGREES
+
+
+@njit
+def is_quantity(value: float) -> bool:
+    """Tell whether a number can be a distance, a speed or the like."""
+    return -MOST <= value <= MOST
 
 
 @njit

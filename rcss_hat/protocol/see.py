@@ -32,6 +32,7 @@ from rcss_hat.protocol.records import (
 )
 from rcss_hat.protocol.scan import (
     BAD_COUNT,
+    BAD_RANGE,
     BAD_UNUM,
     BAD_WORD,
     LEFT_PARENTHESIS,
@@ -48,6 +49,8 @@ from rcss_hat.protocol.scan import (
     byte,
     failure,
     integer,
+    is_angle,
+    is_quantity,
     key_of,
     number,
     skip_spaces,
@@ -274,4 +277,13 @@ def _fields(data: NDArray[np.uint8], i: int, see: NDArray[np.void], k: int) -> t
     see["body"][0, k] = v4
     see["head"][0, k] = v5
     see["pointing"][0, k] = v2 if count == 3 else v6
-    return 0, i + 1
+    return (0, i + 1) if _plausible(see, k) else (BAD_RANGE, first)
+
+
+@njit
+def _plausible(see: NDArray[np.void], k: int) -> bool:
+    """Tell whether an object's values are such that players can calculate with them."""
+    angles = is_angle(see["direction"][0, k]) and is_angle(see["body"][0, k])
+    angles = angles and is_angle(see["head"][0, k]) and is_angle(see["pointing"][0, k])
+    changes = is_quantity(see["distance_change"][0, k]) and is_quantity(see["direction_change"][0, k])
+    return angles and changes and is_quantity(see["distance"][0, k])

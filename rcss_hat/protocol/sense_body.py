@@ -26,6 +26,7 @@ from rcss_hat.protocol.records import (
 )
 from rcss_hat.protocol.scan import (
     BAD_COUNT,
+    BAD_RANGE,
     BAD_UNUM,
     BAD_WORD,
     LEFT_PARENTHESIS,
@@ -40,6 +41,8 @@ from rcss_hat.protocol.scan import (
     WANT_SPACE,
     failure,
     integer,
+    is_angle,
+    is_quantity,
     key_of,
     number,
     skip_group,
@@ -68,7 +71,7 @@ def parse_sense_body(data: bytes, sense: NDArray[np.void]) -> None:
     data : bytes
         The message, with or without its NUL.
     sense : ndarray of SENSE_BODY, shape (1,)
-        Overwritten. After an error its contents mean nothing.
+        Overwritten. After an error all its fields are 0.
 
     Raises
     ------
@@ -77,6 +80,7 @@ def parse_sense_body(data: bytes, sense: NDArray[np.void]) -> None:
     """
     result = _parse(scan.to_array(data), sense)
     if result:
+        sense[:] = np.zeros((), sense.dtype)
         raise RemoteProtocolError(f"bad sense_body message: {scan.REASONS[result % 16]}", data, result // 16)
 
 
@@ -112,7 +116,16 @@ def _parse(data: NDArray[np.uint8], sense: NDArray[np.void]) -> int:
         return failure(BAD_WORD, i)
     if present != _HAS_VIEW_MODE | _HAS_STAMINA | _HAS_SPEED:
         return failure(MISSING, i)
-    return 0
+    return 0 if _plausible(sense) else failure(BAD_RANGE, i)
+
+
+@njit
+def _plausible(sense: NDArray[np.void]) -> bool:
+    """Tell whether the values are such that players can calculate with them."""
+    angles = is_angle(sense["speed_direction"][0]) and is_angle(sense["head_angle"][0])
+    angles = angles and is_angle(sense["arm_direction"][0])
+    body = is_quantity(sense["stamina"][0]) and is_quantity(sense["effort"][0]) and is_quantity(sense["capacity"][0])
+    return angles and body and is_quantity(sense["speed"][0]) and is_quantity(sense["arm_distance"][0])
 
 
 @njit

@@ -164,6 +164,12 @@ def test_too_many_objects() -> None:
         parse(b"(see 1" + most + b" ((b) 5 6))")
 
 
+@pytest.mark.parametrize("wrong", ["(b) 1e7 0", "(b) 5 361", "(b) 5 0 -1e7 0", '(p "k" 1) 5 0 0 0 0 -400'])
+def test_numbers_that_no_server_writes_are_refused(wrong: str) -> None:
+    with pytest.raises(RemoteProtocolError, match="a number out of range"):
+        parse(f"(see 1 ((f c) 5 0) ({wrong}))".encode())
+
+
 def try_to_parse(text: bytes) -> None:
     see = records.empty(records.SEE)
     try:
@@ -175,6 +181,7 @@ def try_to_parse(text: bytes) -> None:
         n = int(see["n"][0])
         assert 0 <= n <= records.MAX_SEEN
         assert np.isfinite(see["distance"][0, :n]).all()
+        assert (np.abs(see["direction"][0, :n]) <= 360.0).all()
         assert (see["unum"][0, :n] <= records.MAX_PLAYERS).all()
 
 

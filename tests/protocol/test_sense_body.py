@@ -154,6 +154,14 @@ def test_malformed_messages_name_the_place(text: str, position: int) -> None:
     assert error.value.position == position
 
 
+@pytest.mark.parametrize("wrong", ["(head_angle 361)", "(speed 0 -400)", "(speed 1e7)", "(stamina 8000 -1e9)"])
+def test_numbers_that_no_server_writes_are_refused(wrong: str) -> None:
+    sense = records.empty(records.SENSE_BODY)
+    with pytest.raises(RemoteProtocolError, match="a number out of range"):
+        parse_sense_body(f"{SHORT}{wrong})".encode(), sense)
+    assert sense == records.empty(records.SENSE_BODY)
+
+
 def try_to_parse(text: bytes) -> None:
     try:
         sense = parse(text)
@@ -161,6 +169,7 @@ def try_to_parse(text: bytes) -> None:
         assert 0 <= error.position <= len(text)
     else:
         assert np.isfinite(sense["stamina"][0])
+        assert abs(sense["head_angle"][0]) <= 360.0
         assert sense["focus_unum"][0] <= records.MAX_PLAYERS
 
 
