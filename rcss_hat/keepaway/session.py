@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rcss_hat.keepaway import agent as kernels
 from rcss_hat.keepaway.decision import Decide, EpisodeEnd
 from rcss_hat.keepaway.state import n_state_variables
+from rcss_hat.player.limits import check_limits
 from rcss_hat.protocol import messages
 from rcss_hat.protocol.commands import action_to_bytes
 from rcss_hat.protocol.errors import RemoteProtocolError
@@ -108,6 +109,7 @@ class KeepawayPlayer:
         self.playing = self._episode_started = event.mode == "play_on"
 
     def _take_params(self, params: ServerParams) -> None:
+        check_limits(params)
         self.params = params
         self._record = params.record()
         self.synch = bool(params["synch_mode"])
