@@ -189,7 +189,7 @@ def test_a_match_refereed_by_our_trainer() -> None:
     assert report.failure is None
     assert report.episodes == trainer.episodes[:4]
     assert [episode.start for episode in report.episodes] == [0, *(e.end for e in report.episodes[:-1])]
-    assert all(20 < episode.cycles < 400 for episode in report.episodes)
+    assert all(10 < episode.cycles < 600 for episode in report.episodes)
     assert {episode.reason for episode in report.episodes} <= {OUT, TAKEN}
     assert told == report.episodes  # with the trainer's reasons, as they end
 
