@@ -10,7 +10,7 @@ COPY rcss_hat rcss_hat
 COPY fake_server fake_server
 RUN pip install --no-cache-dir --constraint constraints.txt .
 
-USER rcss
+USER 1000
 WORKDIR /home/rcss
 # Compile the kernels once, so that players answer from their first cycle on.
 RUN rcss-hat play --on fake --keepers hand --episodes 1 --seed 1

@@ -10,7 +10,7 @@ RUN dnf --assumeyes --setopt=install_weak_deps=False install rcssserver \
  && mkdir --parents /home/rcss/conf /logs \
  && chown --recursive rcss:rcss /home/rcss /logs
 
-USER rcss
+USER 1000
 WORKDIR /home/rcss
 # The server writes its configuration files on first start and needs a folder for them.
 ENV RCSS_CONF_DIR=/home/rcss/conf

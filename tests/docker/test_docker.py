@@ -33,9 +33,9 @@ def test_the_stand_in_takes_the_servers_command_line() -> None:
 def test_the_server_does_not_run_as_root() -> None:
     for name in ("server.Dockerfile", "players.Dockerfile"):
         lines = (DOCKER / name).read_text().splitlines()
-        assert "USER rcss" in lines
+        assert "USER 1000" in lines
         entry = next(k for k, line in enumerate(lines) if line.startswith("ENTRYPOINT"))
-        assert lines.index("USER rcss") < entry
+        assert lines.index("USER 1000") < entry
 
 
 @pytest.mark.parametrize("service", ["keepers", "takers"])
