@@ -18,14 +18,17 @@ from rcss_hat.hat.files import write_text
 
 PAPER_MEASURES = ("jumpstart", "final", "total")
 NOTHING = "–"
+METRIC_WORDS = {"hours": "hours to threshold", "jumpstart": "initial policy", "early": "first 1,000 episodes"}
+"""What claims call a metric, where its name says too little."""
 DEFINITIONS = """Episode durations are in seconds of simulated time (ten cycles). **Jumpstart**: mean duration of the
 initial policy without learning and exploration, minus the baseline's. **Final**: mean of the last 1,000 episodes of
 training. **Total Reward**: sum, over every whole hour, of the mean of the 1,000 episodes before it (of all there are in
 the first hours). **Without exploration**: mean of episodes played after training with learning and exploration off.
 ± is the standard error over trials; bold is significantly different from the baseline by the paper's test (two-sided
 Student t, p < 0.05). The statistics below a table: difference of means with its bootstrap 95 % interval (BCa), p by
-Student's t-test and by Welch's with Holm's correction over the table, and the probability that a trial of the condition
-beats one of the baseline. Trials differ by seed and share their demonstrations, so statements are about these sets."""
+Student's t-test and by Welch's with Holm's correction over the table, Hedges' g (difference in pooled standard
+deviations), and the probability that a trial of the condition beats one of the baseline. Trials differ by seed and
+share their demonstrations, so statements are about these sets."""
 
 
 def write_report(experiment: Experiment, folder: Path | None = None) -> list[Path]:
@@ -129,6 +132,7 @@ def statistics_table(results: Results, table: Table) -> pd.DataFrame:
                     "95 % interval": f"{_number(c['low'], measure, True)} to {_number(c['high'], measure, True)}",
                     "p, Student": _p(c["p_student"]),
                     "p, Welch + Holm": _p(c["p_holm"]),
+                    "Hedges' g": f"{c['hedges_g']:+.2f}",
                     "P(improvement)": f"{c['p_improvement']:.2f}",
                     "n": f"{c['n']:.0f} / {c['n_baseline']:.0f}",
                 }
@@ -138,6 +142,7 @@ def statistics_table(results: Results, table: Table) -> pd.DataFrame:
 
 def more_table(results: Results) -> pd.DataFrame:
     """Return all measures of all conditions that learned, with the time to the threshold; sampled sets apart."""
+    published = any(c.published.hours is not None for c in results.study.conditions.values())
     rows = []
     for name in results.trials:
         if results.study.conditions[name].hours == 0 or results.study.conditions[name].sampled:
@@ -146,6 +151,8 @@ def more_table(results: Results) -> pd.DataFrame:
         for measure, words in MEASURES.items():
             row[words] = _number(results.value(name, measure)[0], measure)
         row["Hours to threshold"] = _number(results.hours_to_threshold(name), "final")
+        hours = results.study.conditions[name].published.hours
+        row |= {"Hours, paper": NOTHING if hours is None else f"{hours:g}"} if published else {}
         episodes = [record.result["episodes"] for record in results.trials[name]]
         row["Episodes"] = f"{sum(episodes) / len(episodes):.0f}"
         rows.append(row)
@@ -217,12 +224,8 @@ def _claims(results: Results) -> list[Heading | Paragraph | TableBlock]:
 
 
 def _evidence_row(results: Results, e: Evidence) -> dict[str, str]:
-    labels = {name: c.label for name, c in results.study.conditions.items()}
-    claimed = f"{labels[e.condition]}: {e.test.metric} {e.test.test} than {labels[e.than]}"
-    if e.test.test == "similar":
-        claimed = f"{labels[e.condition]}: {e.test.metric} similar to {labels[e.than]}"
     row = {
-        "Comparison": claimed,
+        "Comparison": _claimed(results, e),
         "Difference": NOTHING,
         "95 % interval": NOTHING,
         "p, Student": NOTHING,
@@ -234,6 +237,18 @@ def _evidence_row(results: Results, e: Evidence) -> dict[str, str]:
         row["95 % interval"] = f"{_number(c.low, m, True)} to {_number(c.high, m, True)}"
         row["p, Student"], row["p, Welch"] = _p(c.p_student), _p(c.p_welch)
     return {**row, "Holds": {True: "yes", False: "no", None: "not tested"}[e.holds]}
+
+
+def _claimed(results: Results, e: Evidence) -> str:
+    metric, than = METRIC_WORDS.get(e.test.metric, e.test.metric), e.test.than_metric
+    if e.test.teachers:
+        other = f"the demonstrations' mean, {results.experiment.sets.prepare(e.than).label}"
+    else:
+        other = results.label(e.than)
+    if than is not None:
+        other = f"{METRIC_WORDS.get(than, than)} of {other}"
+    link = "similar to" if e.test.test == "similar" else f"{e.test.test} than"
+    return f"{results.label(e.condition)}: {metric} {link} {other}"
 
 
 def _figures(results: Results) -> list[Heading | FigureBlock]:

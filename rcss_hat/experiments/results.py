@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rcss_hat.experiments import metrics
 from rcss_hat.experiments.experiment import Experiment, TrialRecord
-from rcss_hat.experiments.statistics import Comparison, compare, comparison_table
+from rcss_hat.experiments.statistics import Comparison, compare, compare_with_number, comparison_table
 from rcss_hat.experiments.study import Claim, ClaimTest
 
 MEASURES = {
@@ -41,6 +41,7 @@ class Evidence:
     ----------
     test : ClaimTest
     condition, than : str
+        Conditions; ``than`` is a demonstration set where the test names teachers.
     comparison : Comparison or None
         None with fewer than two trials of either.
     holds : bool or None
@@ -102,14 +103,22 @@ class Results:
         ----------
         condition : str
         measure : str
-            A key of `MEASURES`. For ``jumpstart`` it is the mean duration of the initial policy, from which
+            A key of `MEASURES`, or ``hours``: when the trial reaches `threshold`, or, where it never does, the hours
+            that it had. For ``jumpstart`` it is the mean duration of the initial policy, from which
             `difference` makes the jumpstart.
         """
         key = condition, measure
         if key not in self._samples:
-            values = [_measure(record, measure) for record in self.trials[condition]]
+            one = self._hours if measure == "hours" else lambda record: _measure(record, measure)
+            values = [one(record) for record in self.trials[condition]]
             self._samples[key] = np.array(values, dtype=np.float64)
         return self._samples[key]
+
+    def _hours(self, record: TrialRecord) -> float:
+        if record.log is None or self.threshold is None:
+            return math.nan
+        reached = metrics.time_to_threshold(record.log, self.threshold)
+        return float(record.result["hours"]) if math.isnan(reached) else reached
 
     def value(self, condition: str, measure: str) -> tuple[float, float]:
         """Return a measure's mean over trials and its standard error; the jumpstart is relative to the baseline."""
@@ -163,7 +172,7 @@ class Results:
             self._evidence(test, condition, than)
             for test in claim.tests
             for condition in test.conditions
-            for than in test.than
+            for than in (*test.than, *test.teachers)
         )
         held = [e.holds for e in evidence]
         if None in held:
@@ -172,13 +181,16 @@ class Results:
         return Verdict(claim, verdict, evidence)
 
     def _evidence(self, test: ClaimTest, condition: str, than: str) -> Evidence:
-        if condition not in self.trials or than not in self.trials:
-            return Evidence(test, condition, than, None, None)
-        a, b = self.sample(condition, test.metric), self.sample(than, test.metric)
-        if len(a) < 2 or len(b) < 2 or not (np.isfinite(a).all() and np.isfinite(b).all()):
-            return Evidence(test, condition, than, None, None)
-        comparison = compare(a, b, self.study.seed)
-        return Evidence(test, condition, than, comparison, claim_holds(test.test, comparison))
+        comparison = None
+        if test.teachers:
+            mean = self.experiment.sets.prepare(than).figures.get("mean_s")
+            if condition in self.trials and mean is not None:
+                comparison = _against_number(self.sample(condition, test.metric), mean, self.study.seed)
+        elif condition in self.trials and than in self.trials:
+            others = self.sample(than, test.than_metric or test.metric)
+            comparison = _against_sample(self.sample(condition, test.metric), others, self.study.seed)
+        holds = None if comparison is None else claim_holds(test.test, comparison)
+        return Evidence(test, condition, than, comparison, holds)
 
     # -- curves ------------------------------------------------------------------------------------------------------
     def curves(self, condition: str) -> metrics.Curves | None:
@@ -218,6 +230,18 @@ def claim_holds(test: str, comparison: Comparison) -> bool:
         "not lower": not lower,
         "not higher": not higher,
     }[test]
+
+
+def _usable(sample: NDArray[np.float64]) -> bool:
+    return len(sample) > 1 and bool(np.isfinite(sample).all())
+
+
+def _against_sample(a: NDArray[np.float64], b: NDArray[np.float64], seed: int) -> Comparison | None:
+    return compare(a, b, seed) if _usable(a) and _usable(b) else None
+
+
+def _against_number(a: NDArray[np.float64], number: float, seed: int) -> Comparison | None:
+    return compare_with_number(a, number, seed) if _usable(a) else None
 
 
 def _measure(record: TrialRecord, measure: str) -> float:

@@ -151,6 +151,19 @@ def cliffs_delta(a: ArrayLike, b: ArrayLike) -> float:
     return float(np.sign(first[:, None] - second[None, :]).mean())
 
 
+def hedges_g(a: ArrayLike, b: ArrayLike) -> float:
+    """Difference of means in pooled standard deviations, corrected for small samples (Hedges 1981).
+
+    Infinite for different samples without variance, 0 for equal ones.
+    """
+    first, second = _sample(a, 2), _sample(b, 2)
+    difference, degrees = float(first.mean() - second.mean()), first.size + second.size - 2
+    squares = float(((first - first.mean()) ** 2).sum() + ((second - second.mean()) ** 2).sum())
+    if _is_constant(first) and _is_constant(second):
+        return math.copysign(math.inf, difference) if first[0] != second[0] else 0.0
+    return difference / math.sqrt(squares / degrees) * (1.0 - 3.0 / (4.0 * degrees - 1.0))
+
+
 def probability_of_improvement(a: ArrayLike, b: ArrayLike) -> float:
     """Probability that a random value of a exceeds one of b, ties counting half."""
     return (cliffs_delta(a, b) + 1.0) / 2.0
@@ -170,8 +183,8 @@ class Comparison:
         Of means, with its 95 % bootstrap interval.
     p_student, p_welch : float
         Two-sided, not corrected for the number of comparisons.
-    cliffs_delta, p_improvement : float
-        See the functions of those names.
+    hedges_g, cliffs_delta, p_improvement : float
+        Sizes of the effect, see the functions of those names.
     """
 
     n: int
@@ -183,6 +196,7 @@ class Comparison:
     high: float
     p_student: float
     p_welch: float
+    hedges_g: float
     cliffs_delta: float
     p_improvement: float
 
@@ -207,8 +221,47 @@ def compare(values: ArrayLike, baseline: ArrayLike, seed: int = 0, method: str =
         high=interval.high,
         p_student=student_t(values, baseline).p,
         p_welch=welch_t(values, baseline).p,
+        hedges_g=hedges_g(values, baseline),
         cliffs_delta=cliffs_delta(values, baseline),
         p_improvement=probability_of_improvement(values, baseline),
+    )
+
+
+def compare_with_number(values: ArrayLike, number: float, seed: int = 0) -> Comparison:
+    """Compare a condition with a number that is known without error, such as the mean of a teacher's demonstrations.
+
+    The t-test is that for one sample, in place of both Student's and Welch's; ``n_baseline`` is 1.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two trials.
+    """
+    sample = _sample(values, 2)
+    difference, constant = float(sample.mean()) - number, _is_constant(sample)
+    if constant:
+        p, low, high = (1.0 if difference == 0.0 else 0.0), difference, difference
+        effect = 0.0 if difference == 0.0 else math.copysign(math.inf, difference)
+    else:
+        p = float(stats.ttest_1samp(sample, number).pvalue)
+        rng = np.random.default_rng(seed)
+        found = stats.bootstrap((sample,), np.mean, n_resamples=10_000, method="BCa", rng=rng).confidence_interval
+        low, high = float(found.low) - number, float(found.high) - number
+        degrees = sample.size - 1
+        effect = difference / float(sample.std(ddof=1)) * (1.0 - 3.0 / (4.0 * degrees - 1.0))
+    return Comparison(
+        n=sample.size,
+        n_baseline=1,
+        mean=float(sample.mean()),
+        standard_error=standard_error(sample),
+        difference=difference,
+        low=low,
+        high=high,
+        p_student=p,
+        p_welch=p,
+        hedges_g=effect,
+        cliffs_delta=cliffs_delta(sample, [number]),
+        p_improvement=probability_of_improvement(sample, [number]),
     )
 
 

@@ -38,7 +38,7 @@ from rcss_hat.learning.config import LearnerConfig, load_config
 
 PICKS = ("all", "first", "best", "worst", "random")
 TESTS = ("higher", "lower", "similar", "not lower", "not higher")
-METRICS = ("jumpstart", "final", "total", "greedy", "early")
+METRICS = ("jumpstart", "final", "total", "greedy", "early", "hours")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
 T = TypeVar("T")
 
@@ -142,11 +142,12 @@ class Round:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Published:
-    """What a paper reports of a condition; None: nothing."""
+    """What a paper reports of a condition; None: nothing. ``hours``: simulated hours to the threshold."""
 
     jumpstart: float | None = None
     final: float | None = None
     total: float | None = None
+    hours: float | None = None
     significant: tuple[str, ...] = ()
 
 
@@ -219,12 +220,29 @@ class Figure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClaimTest:
-    """One comparison: each of ``conditions`` against each of ``than``."""
+    """One comparison: each of ``conditions`` against each of ``than`` or of ``teachers``.
+
+    Attributes
+    ----------
+    test : str
+        One of `TESTS`.
+    metric : str
+        One of `METRICS`; ``jumpstart`` is the duration of the initial policy, ``hours`` the time to the threshold.
+    conditions : tuple of str
+    than : tuple of str
+        Conditions.
+    than_metric : str or None
+        Another metric of those than of ``conditions``.
+    teachers : tuple of str
+        Instead of ``than``: demonstration sets, whose mean duration is compared with.
+    """
 
     test: str
     metric: str
     conditions: tuple[str, ...]
-    than: tuple[str, ...]
+    than: tuple[str, ...] = ()
+    than_metric: str | None = None
+    teachers: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the words."""
@@ -232,6 +250,10 @@ class ClaimTest:
             raise ValueError(f"test must be one of {', '.join(TESTS)}, not {self.test!r}")
         if self.metric not in METRICS:
             raise ValueError(f"metric must be one of {', '.join(METRICS)}, not {self.metric!r}")
+        if self.than_metric is not None and self.than_metric not in METRICS:
+            raise ValueError(f"than_metric must be one of {', '.join(METRICS)}, not {self.than_metric!r}")
+        if bool(self.than) == bool(self.teachers):
+            raise ValueError("a test needs either than or teachers")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -572,6 +594,8 @@ def _check_references(study: Study) -> None:
         for test in claim.tests:
             for name in (*test.conditions, *test.than):
                 _known(name, study.conditions, "condition", f"claim {claim.text!r}")
+            for name in test.teachers:
+                _known(name, study.sets, "demonstration set", f"claim {claim.text!r}")
 
 
 def _check_cycle(sets: Mapping[str, SetSpec], name: str, seen: tuple[str, ...]) -> None:

@@ -17,7 +17,7 @@ from click.testing import CliRunner
 from rcss_hat.cli.main import cli
 from rcss_hat.experiments.execution import ClusterError, run_locally, run_on_cluster
 from rcss_hat.experiments.experiment import Experiment, ExperimentError
-from rcss_hat.experiments.reporting import result_table, tables_of, write_report
+from rcss_hat.experiments.reporting import make_document, result_table, tables_of, write_report
 from rcss_hat.experiments.results import Results
 from rcss_hat.experiments.study import StudyError
 from rcss_hat.experiments.training import TrainingError, TrainingRun
@@ -151,6 +151,21 @@ def test_the_report_has_tables_figures_verdicts_and_seeds(finished: Experiment, 
     assert len(trials) == 8 and trials["total"].notna().all()
     again = write_report(finished, tmp_path / "again")
     assert again[1].read_text() == html and again[0].read_text() == text
+
+
+def test_claims_compare_other_metrics_and_teachers(finished: Experiment) -> None:
+    results = Results(finished)
+    verdict = results.verdicts()[2]
+    hours, initial, teacher = verdict.evidence
+    assert results.sample("printed", "hours").tolist() == [1.0, 1.0], "no window of 1,000 episodes in an hour"
+    assert hours.holds and initial.holds
+    mean = finished.sets.prepare("A").figures["mean_s"]
+    assert teacher.comparison is not None
+    assert teacher.comparison.difference == pytest.approx(results.value("no-prior", "final")[0] - mean)
+    text = make_document(results).to_markdown()
+    assert "No Prior: final lower than the demonstrations' mean, Subject A" in text
+    assert "printed: hours to threshold similar to No Prior" in text
+    assert "No Prior: initial policy similar to initial policy of No Prior" in text
 
 
 def test_measures_agree_with_the_logs(finished: Experiment) -> None:

@@ -101,6 +101,27 @@ def test_cliffs_delta_and_probability_of_improvement() -> None:
     assert st.probability_of_improvement([3.0, 4.0], [3.0, 0.0]) == pytest.approx((3 + 0.5) / 4)
 
 
+def test_hedges_g_by_hand() -> None:
+    # variances 1 and 1, so that the difference of 2 is two standard deviations; 4 degrees of freedom
+    assert st.hedges_g([3.0, 4.0, 5.0], [1.0, 2.0, 3.0]) == pytest.approx(2.0 * (1.0 - 3.0 / 15.0))
+    assert st.hedges_g([1.0, 1.0], [1.0, 1.0]) == 0.0
+    assert st.hedges_g([1.0, 1.0], [2.0, 2.0]) == -math.inf
+
+
+def test_a_number_known_without_error() -> None:
+    found = st.compare_with_number([11.0, 12.0, 13.0], 10.0, seed=1)
+    assert found.difference == pytest.approx(2.0) and found.n_baseline == 1
+    # t = 2 / (1 / sqrt 3) with 2 degrees of freedom, of which the distribution is known: p = 1 - t / sqrt(2 + t^2)
+    t = 2.0 * math.sqrt(3.0)
+    assert found.p_student == pytest.approx(1.0 - t / math.sqrt(2.0 + t * t))
+    assert 1.0 <= found.low < 2.0 < found.high <= 3.0
+    assert found.hedges_g == pytest.approx(2.0 * (1.0 - 3.0 / 7.0))
+    assert found.p_improvement == 1.0
+    same = st.compare_with_number([10.0, 10.0], 10.0)
+    assert (same.p_student, same.difference, same.hedges_g) == (1.0, 0.0, 0.0)
+    assert st.compare_with_number([11.0, 11.0], 10.0).p_student == 0.0
+
+
 def test_a_table_of_comparisons() -> None:
     random = np.random.default_rng(8)
     samples = {

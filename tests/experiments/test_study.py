@@ -52,7 +52,7 @@ def test_the_paper_s_study_has_all_its_conditions() -> None:
     assert [f.name for f in study.figures] == ["figure-3", "figure-4", "figure-5", "figure-6"]
     assert study.conditions["AC-best-ppr"].published.total == 431
     assert study.sets["AC-best"].of == ("A", "C") and study.sets["AC-best"].episodes == 10
-    assert len(study.claims) == 5
+    assert len(study.claims) == 9
 
 
 def test_every_shipped_study_is_valid() -> None:
@@ -96,7 +96,8 @@ def test_another_learner_for_all_conditions() -> None:
 
 def test_some_conditions_can_be_chosen() -> None:
     study = load_study("paper").chosen(("no-prior", "A-ppr"))
-    assert list(study.conditions) == ["no-prior", "A-ppr"] and study.claims == ()
+    assert list(study.conditions) == ["no-prior", "A-ppr"]
+    assert [claim.text.partition(":")[0] for claim in study.claims] == ["Sarsa alone learns"], "of No Prior alone"
     assert study.tables[0].conditions == ("no-prior", "A-ppr")
     assert load_study("paper").chosen(("A-ppr",)).baseline is None
     with pytest.raises(StudyError, match="--only: there is no condition 'x'"):
@@ -134,6 +135,21 @@ def test_some_conditions_can_be_chosen() -> None:
         (
             small("[[claim]]\ntext='x'\ntests=[{test='better', metric='total', conditions=['ppr'], than=['none']}]"),
             "test must be one of",
+        ),
+        (
+            small("[[claim]]\ntext='x'\ntests=[{test='higher', metric='total', conditions=['ppr']}]"),
+            "needs either than or teachers",
+        ),
+        (
+            small("[[claim]]\ntext='x'\ntests=[{test='higher', metric='total', conditions=['ppr'], teachers=['Z']}]"),
+            "claim 'x': there is no demonstration set 'Z'",
+        ),
+        (
+            small(
+                "[[claim]]\ntext='x'\ntests=[{test='lower', metric='hours', conditions=['ppr'], than=['none'],"
+                " than_metric='age'}]"
+            ),
+            "than_metric must be one of",
         ),
         (small("[sampling]\npools = []\nepisodes = [1]\nsets = 1"), "sampling needs pools"),
         (
