@@ -28,7 +28,8 @@ def test_the_players_learner() -> None:
 
 def test_the_paper_s_learner() -> None:
     config = load_config("paper")
-    assert (config.approximator, config.epsilon, config.gamma, config.lambda_) == ("rbf", 0.10, 1.0, 0.0)
+    assert (config.approximator, config.epsilon, config.gamma, config.lambda_) == ("rbf", 0.01, 1.0, 0.0)
+    assert config.epsilon == load_config("cmac").epsilon, "the players' own exploration, not the printed one"
 
 
 def test_the_literal_step_of_the_paper_is_small() -> None:
