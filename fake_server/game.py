@@ -6,6 +6,7 @@ No sockets and no text of messages: a server, or a test, drives it.
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +44,7 @@ from fake_server.simulation.state import (
     streams,
 )
 from fake_server.text import FIRST_VERSION, LAST_VERSION
+from fake_server.touch import TouchReferee
 from rcss_hat.protocol.play_modes import PLAY_MODES
 from rcss_hat.protocol.records import LEFT, MAX_PLAYERS, RIGHT
 
@@ -76,6 +78,8 @@ class Game:
     streams : ndarray of uint64, shape (3, 4)
     names : list of str
         Of the left and the right team, empty while there is none.
+    touch : TouchReferee or None
+        Judges goals and the lines; None in Keepaway and without referees.
     """
 
     def __init__(self, options: ServerOptions, seed: int) -> None:
@@ -98,6 +102,8 @@ class Game:
         self._fresh_streams = self.streams.copy()
         self.names = ["", ""]
         self._sizes = [0, 0]
+        self._substituted: set[int] = set()
+        self.touch = TouchReferee(self) if self.has_referees and not self.kernel["keepaway"][0] else None
 
     # --- what it is ---------------------------------------------------------------------------------------------
     @property
@@ -243,9 +249,10 @@ class Game:
     def step(self) -> list[str]:
         """Simulate a step; returns what the referee announces."""
         self.settle_randomness()
-        before = self.mode
+        before, time = self.mode, self.time
         step(self.match, self.kernel, self.types, self.streams)
-        return self._announcements(before)
+        announced = self._announcements(before)
+        return announced if self.touch is None else announced + self.touch.look(time)
 
     def kick_off(self) -> list[str]:
         """Start the play, as ``(start)`` and ``(dispstart)`` do; returns what the referee announces."""
@@ -301,8 +308,42 @@ class Game:
         disconnect(self.match, i)
         self.match["flags"][0, i] |= F_DISCARD
 
+    def types_at_kick_off(self) -> list[tuple[int, int]]:
+        """Return who gets which type at the first kick-off, as of each type only ``player::pt_max`` may play.
+
+        Those whom nobody gave a type get the first one left, goalies first; not in Keepaway (19.0.0, src/team.cpp,
+        assignPlayerTypes).
+        """
+        params = self.player_params
+        if self.params["keepaway"] or self.params.profile == "11.1" or self.time > 0:
+            return []
+        if params["allow_mult_default_type"]:
+            return []
+        most = int(params["pt_max"])
+        return [change for team in (0, 1) for change in self._types_of(team, most)]
+
+    def _types_of(self, team: int, most: int) -> list[tuple[int, int]]:
+        first = team * MAX_PLAYERS
+        players = sorted(range(first, first + self._sizes[team]), key=lambda i: not self.match["goalie"][0, i])
+        current = self.match["type"][0].tolist()
+        used = Counter(current[i] for i in players if i in self._substituted)
+        changes = []
+        for i in players:
+            if i in self._substituted and used[current[i]] <= most:
+                continue
+            new = next((kind for kind in range(len(self.types)) if used[kind] < most), None)
+            if new is None:
+                continue
+            used[new] += 1
+            if i in self._substituted:
+                used[current[i]] -= 1
+            if new != current[i]:
+                changes.append((i, new))
+        return changes
+
     def substitute(self, i: int, player_type: int) -> None:
         """Give a player another type."""
+        self._substituted.add(i)
         self.match["type"][0, i] = player_type
         self.match["size"][0, i] = self.types["player_size"][player_type]
         self.match["effort_max"][0, i] = self.types["effort_max"][player_type]

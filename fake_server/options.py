@@ -67,7 +67,7 @@ _LIMITS: dict[str, tuple[int, int, str]] = {
 """Parameters whose values are bounded here: lowest, highest, what they are."""
 
 _WITHOUT_EFFECT = frozenset({
-    "back_passes", "ball_weight", "ckick_margin", "clang_advice_win", "clang_define_win", "clang_del_win",
+    "back_passes", "ball_weight", "clang_advice_win", "clang_define_win", "clang_del_win",
     "clang_info_win", "clang_mess_delay", "clang_mess_per_cycle", "clang_meta_win", "clang_rule_win",
     "clang_win_size", "coach_msg_file", "control_radius", "foul_cycles", "foul_detect_probability",
     "free_kick_faults", "freeform_send_period", "freeform_wait_period", "illegal_defense_dist_x",
@@ -79,7 +79,7 @@ _WITHOUT_EFFECT = frozenset({
     "player_weight", "prand_factor_l", "prand_factor_r", "profile", "proper_goal_kicks", "recv_step",
     "red_card_probability", "say_coach_cnt_max", "send_vi_step", "sense_body_step", "stopped_ball_vel",
     "synch_micro_sleep", "team_actuator_noise", "team_l_start", "team_r_start", "verbose", "wind_ang",
-    "wind_dir", "wind_force", "wind_none", "wind_rand", "wind_random", "allow_mult_default_type", "pt_max",
+    "wind_dir", "wind_force", "wind_none", "wind_rand", "wind_random",
     "subs_max",
 })  # fmt: skip
 """Parameters that are accepted and told to clients, but change nothing."""

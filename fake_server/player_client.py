@@ -80,14 +80,16 @@ class PlayerClient:
         """Send a text message."""
         self.connection.send(message)
 
-    def welcome(self, reply: str) -> None:
-        """Send the reply to init or reconnect, the parameters, and whose type is not the default one."""
+    def welcome(self, reply: str, new: bool) -> None:
+        """Send the reply to init or reconnect, the parameters, whose type is not the default one, and how he sees."""
         self.send(reply)
         game = self.game
         for message in all_params(game.params, game.player_params, game.types, self.version):
             self.send(message)
         for j in np.flatnonzero(game.match["type"][0]):
             self.tell_type(int(j))
+        if new and game.match["synch_see"][0, self.i]:
+            self.send("(ok synch_see)")
 
     def tell_type(self, j: int) -> None:
         """Tell the type of a player, or to opponents that it has changed."""
@@ -227,9 +229,21 @@ class PlayerClient:
             if kind is said.Bye:
                 self.server.player_left(self)
                 return
-            accepted = apply(self.game, self.game.match, self.game.streams[PHYSICS], self.i, command)
+            accepted = self._apply(command)
             if accepted and kind is said.Say:
                 self.server.player_spoke(self.i, command.message)
+
+    def _apply(self, command: said.Command) -> bool:
+        """Carry out a command, and let the referee know if it moves the ball."""
+        game, touch = self.game, self.game.touch
+        if touch is None or not isinstance(command, said.Kick | said.Tackle):
+            return apply(game, game.match, game.streams[PHYSICS], self.i, command)
+        before = game.match["ball_acc"][0].copy()
+        accepted = apply(game, game.match, game.streams[PHYSICS], self.i, command)
+        strength = float(np.hypot(*(game.match["ball_acc"][0] - before)))
+        if strength > 0.0:
+            touch.touched(self.i, strength)
+        return accepted
 
 
 _ANSWERS: dict[type, Callable[[PlayerClient, Any], None]] = {

@@ -134,7 +134,7 @@ class Reception:
             raise
         server.add_player(player)
         mode = game.mode_name
-        player.welcome(text.init_reply(side, unum, mode) if new else text.reconnect_reply(side, mode))
+        player.welcome(text.init_reply(side, unum, mode) if new else text.reconnect_reply(side, mode), new)
         name = f"{game.team_name(i)} {unum}"
         server.say(
             f"A new (v{player.version}) player ({name}) connected." if new else f"A player ({name}) reconnected."

@@ -23,6 +23,7 @@ from fake_server.auto_mode import AutoMode
 from fake_server.clock import RealTimeClock, SynchClock, Timing
 from fake_server.connection import Address, Connection
 from fake_server.game import Game
+from fake_server.limits import Limits
 from fake_server.logs import Logs
 from fake_server.monitor import Frames, MonitorClient
 from fake_server.options import ServerOptions
@@ -92,6 +93,7 @@ class Server:
         self._coach_said: list[str] = []
         self._frames = Frames(self.game)
         self._auto = AutoMode(self)
+        self._limits = Limits(self)
         self._reception: Reception | None = None
         self._everybody = selectors.DefaultSelector()
         self._others = selectors.DefaultSelector()  # all but the players
@@ -359,6 +361,8 @@ class Server:
     # --- what clients do to each other ----------------------------------------------------------------------------
     def kick_off(self) -> None:
         """Start the match, or its next half."""
+        for i, player_type in self.game.types_at_kick_off():
+            self.substitute(i, player_type)
         self._play(self.game.kick_off)
 
     @property
@@ -410,7 +414,8 @@ class Server:
             if self.trainer is not None:
                 self.trainer.hear_referee(message)
             self.logs.referee(self.game.match, message)
-            self._tell_monitors(f"(referee {message})")
+            self.tell_monitors(f"(referee {message})")
+        self._limits.look(messages)
 
     def player_spoke(self, i: int, message: str) -> None:
         """Tell trainer, monitors and log what a player said; players hear it in the next cycle."""
@@ -418,15 +423,16 @@ class Server:
             self.trainer.hear_player(i, message)
         who = f"(player {self.game.team_name(i)} {self.game.unum(i)})"
         self.logs.speech(self.game.match, who, message)
-        self._tell_monitors(f"({who} {message})")
+        self.tell_monitors(f"({who} {message})")
 
     def trainer_spoke(self, message: str) -> None:
         """Tell monitors and log what the trainer said; players hear it in the next cycle."""
         self._coach_said.append(message)
         self.logs.speech(self.game.match, "referee", message)
-        self._tell_monitors(f"(referee {message})")
+        self.tell_monitors(f"(referee {message})")
 
-    def _tell_monitors(self, message: str) -> None:
+    def tell_monitors(self, message: str) -> None:
+        """Show a message to monitors, which hear what is said only with ``send_comms``."""
         if self.monitors and self.game.params["send_comms"]:
             for monitor in self.monitors:
                 monitor.message(MESSAGE_BOARD, message)

@@ -1,0 +1,187 @@
+"""The referee of goals and of the ball beyond the lines: goal, kick-in, corner kick, goal kick.
+
+Source: 19.0.0, src/referee.cpp (TouchRef). Matches in Keepaway mode do without, so that this is plain Python after the
+compiled step; set plays and the stoppage after a goal then run in `fake_server.simulation.referee`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fake_server.simulation.pitch import GOAL_AREA_LENGTH, HALF_LENGTH, HALF_WIDTH, move_out_of_penalty_area
+from fake_server.simulation.placement import place_ball
+from fake_server.simulation.referee import change_play_mode, drop_ball
+from fake_server.simulation.state import (
+    CORNER_KICK_LEFT,
+    CORNER_KICK_RIGHT,
+    DROP_BALL,
+    E_DROP_BALL,
+    GOAL_KICK_LEFT,
+    GOAL_KICK_RIGHT,
+    GOAL_LEFT,
+    GOAL_RIGHT,
+    INDIRECT_FREE_KICK_LEFT,
+    INDIRECT_FREE_KICK_RIGHT,
+    KICK_IN_LEFT,
+    KICK_IN_RIGHT,
+    PHYSICS,
+    PLAY_ON,
+    TIME_OVER,
+    side_of,
+)
+from rcss_hat.protocol.play_modes import PLAY_MODE_IDS, PLAY_MODES
+from rcss_hat.protocol.records import COLLIDED_BALL, LEFT, NO_SIDE, RIGHT
+
+if TYPE_CHECKING:
+    from fake_server.game import Game
+
+GOAL_AREA_WIDTH = 18.32
+POST_RADIUS = 0.06
+_INDIRECT = (INDIRECT_FREE_KICK_LEFT, INDIRECT_FREE_KICK_RIGHT)
+_SHOOT_OUT = frozenset(
+    PLAY_MODE_IDS[f"penalty_{phase}_{side}"] for phase in ("setup", "ready", "taken", "miss", "score") for side in "lr"
+)
+_NOT_JUDGED = frozenset({GOAL_LEFT, GOAL_RIGHT, TIME_OVER, *_SHOOT_OUT})
+_KICK_IN = {LEFT: KICK_IN_LEFT, RIGHT: KICK_IN_RIGHT}
+_CORNER_KICK = {LEFT: CORNER_KICK_LEFT, RIGHT: CORNER_KICK_RIGHT}
+_GOAL_KICK = {LEFT: GOAL_KICK_LEFT, RIGHT: GOAL_KICK_RIGHT}
+
+
+class TouchReferee:
+    """Remembers who touched the ball last, and judges where it goes.
+
+    Parameters
+    ----------
+    game : Game
+    """
+
+    def __init__(self, game: Game) -> None:
+        self._game = game
+        self._ball_size = game.params.number("ball_size")
+        self._half_goal = 0.5 * game.params.number("goal_width") + POST_RADIUS
+        self._ball_before = self._ball()
+        self._mode = game.mode
+        self._toucher: int | None = None
+        self._touched_at, self._strength = -1, 0.0
+        self._indirect = False
+        self._indirect_kicker: int | None = None
+
+    # --- who touches the ball -----------------------------------------------------------------------------------
+    def touched(self, i: int, strength: float) -> None:
+        """Note that a player kicked or tackled the ball with an acceleration (m/cycle²); of one cycle the strongest."""
+        self._notice_mode()
+        self._touch(i, strength, self._game.time)
+
+    def _touch(self, i: int, strength: float, time: int) -> None:
+        if abs(self._ball()[0]) > HALF_LENGTH + self._ball_size:
+            return
+        if self._mode == PLAY_ON and self._indirect_kicker not in (None, i):
+            self._indirect, self._indirect_kicker = False, None
+        if self._indirect:
+            self._indirect_kicker = i
+        if self._touched_at < time or self._strength <= strength:
+            self._toucher, self._touched_at, self._strength = i, time, strength
+
+    def _notice_mode(self) -> None:
+        """Forget what a change of the play mode ends."""
+        mode = self._game.mode
+        if mode == self._mode:
+            return
+        self._mode = mode
+        if mode == PLAY_ON:
+            return
+        self._toucher = None
+        if mode in _INDIRECT:
+            self._indirect, self._indirect_kicker = True, None
+        elif mode != DROP_BALL:
+            self._indirect, self._indirect_kicker = False, None
+
+    # --- where the ball is --------------------------------------------------------------------------------------
+    def look(self, time: int) -> list[str]:
+        """Judge the ball after a step that began at a cycle; returns what the referee announces."""
+        match = self._game.match
+        for i in np.flatnonzero(match["collided"][0] & COLLIDED_BALL).tolist():
+            self._touch(i, 0.0, time)
+        self._notice_mode()
+        if match["events"][0] & E_DROP_BALL:
+            self._toucher = None
+        announced = [] if self._mode in _NOT_JUDGED else self._judge()
+        self._notice_mode()
+        self._ball_before = self._ball()
+        return announced
+
+    def _ball(self) -> tuple[float, float]:
+        x, y = self._game.match["ball_pos"][0].tolist()
+        return x, y
+
+    def _judge(self) -> list[str]:
+        x, y = self._ball()
+        toucher = NO_SIDE if self._toucher is None else int(side_of(self._toucher))
+        if abs(x) > HALF_LENGTH + self._ball_size:
+            return self._goal(x) or self._beyond_goal_line(x, y, toucher)
+        if abs(y) > HALF_WIDTH + self._ball_size:
+            return self._beyond_side_line(x, y, toucher)
+        return []
+
+    def _goal(self, x: float) -> list[str]:
+        """Count a goal if the ball has passed between the posts."""
+        match, params = self._game.match, self._game.params
+        conceding = LEFT if x < 0.0 else RIGHT
+        catcher = int(match["catcher"][0])
+        if self._indirect or (catcher >= 0 and side_of(catcher) != conceding) or not self._passed_between_posts():
+            return []
+        scorer = 1 if conceding == LEFT else 0
+        match["score"][0, scorer] += 1
+        place_ball(match, *self._ball(), 0.0, 0.0)
+        match["kick_off_side"][0] = conceding
+        announced = [f"goal_{'lr'[scorer]}_{self._game.score[scorer]}"]
+        half = params.number("half_time") * 1000.0 / params.number("simulator_step")
+        if self._game.kernel["golden_goal"][0] and 0.0 <= half * params.number("nr_normal_halfs") <= self._game.time:
+            return announced + self._change_mode(TIME_OVER)
+        self._change_mode(GOAL_RIGHT if scorer else GOAL_LEFT)
+        return announced
+
+    def _passed_between_posts(self) -> bool:
+        (x0, y0), (x1, y1) = self._ball_before, self._ball()
+        line = math.copysign(HALF_LENGTH + self._ball_size, x1)
+        if x0 == x1 or abs(x0) > abs(line) or (abs(y0) > self._half_goal and abs(x0) > HALF_LENGTH):
+            return False
+        return abs(y0 + (y1 - y0) / (x1 - x0) * (line - x0)) <= self._half_goal
+
+    def _beyond_goal_line(self, x: float, y: float, toucher: int) -> list[str]:
+        end, attackers = (LEFT, RIGHT) if x < 0.0 else (RIGHT, LEFT)
+        if toucher == end:
+            margin = self._game.params.number("ckick_margin")
+            corner = (HALF_LENGTH - margin, HALF_WIDTH - margin)
+            return self._award(_CORNER_KICK[attackers], math.copysign(corner[0], x), _with_sign(corner[1], y))
+        if self._game.match["catcher"][0] >= 0:  # a goalie has walked there with the ball
+            return []
+        return self._award(
+            _GOAL_KICK[end], math.copysign(HALF_LENGTH - GOAL_AREA_LENGTH, x), _with_sign(0.5 * GOAL_AREA_WIDTH, y)
+        )
+
+    def _beyond_side_line(self, x: float, y: float, toucher: int) -> list[str]:
+        y = math.copysign(HALF_WIDTH, y)
+        x = min(max(x, -HALF_LENGTH), HALF_LENGTH)
+        if toucher != NO_SIDE:
+            return self._award(_KICK_IN[RIGHT if toucher == LEFT else LEFT], x, y)
+        x, y = move_out_of_penalty_area(NO_SIDE, x, y)
+        drop_ball(self._game.match, self._game.kernel, x, y, self._game.streams[PHYSICS])
+        return ["drop_ball", "play_on"]
+
+    def _award(self, mode: int, x: float, y: float) -> list[str]:
+        self._game.match["catcher"] = -1
+        place_ball(self._game.match, x, y, 0.0, 0.0)
+        return self._change_mode(mode)
+
+    def _change_mode(self, mode: int) -> list[str]:
+        change_play_mode(self._game.match, self._game.kernel, mode, self._game.streams[PHYSICS])
+        return [PLAY_MODES[mode]]
+
+
+def _with_sign(size: float, y: float) -> float:
+    """Return ``size`` on the side of ``y``, on the negative one for 0."""
+    return size if y > 0.0 else -size
