@@ -18,6 +18,7 @@ COMMANDS = {
     "server": ("rcss_hat.cli.server", "Run a real or fake rcssserver with Keepaway options."),
     "record": ("rcss_hat.cli.record", "Record everything said between clients and a server."),
     "demonstrate": ("rcss_hat.cli.demonstrate", "Record demonstrations of a teacher."),
+    "sets": ("rcss_hat.cli.sets", "Choose, join, split and describe demonstrations."),
     "summarize": ("rcss_hat.cli.summarize", "Learn a decision list from demonstrations."),
     "train": ("rcss_hat.cli.train", "Learn by Sarsa, alone or with a transfer method."),
     "evaluate": ("rcss_hat.cli.train", "Play learned weights without learning."),

@@ -140,13 +140,7 @@ class SetStore:
 
     def _picked(self, spec: SetSpec, name: str) -> DemonstrationSet:
         part, n = self.demonstrations(name), spec.episodes
-        if spec.pick == "all" or n is None:
-            return part
-        if spec.pick == "best":
-            return part.best(n)
-        if spec.pick == "worst":
-            return part.worst(n)
-        return part.split(n)[0] if spec.pick == "first" else part.random(n, spec.seed)
+        return part if spec.pick == "all" or n is None else part.split(n, spec.pick, spec.seed)[0]
 
     def _task(self, spec: SetSpec) -> Task:
         task = self.study.task

@@ -32,11 +32,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from rcss_hat.experiments.training import RunConfig
+from rcss_hat.hat.demonstrations import PICKS
 from rcss_hat.hat.transfer import TransferMethod, make_method
 from rcss_hat.keepaway.task import Task
 from rcss_hat.learning.config import LearnerConfig, load_config
 
-PICKS = ("all", "first", "best", "worst", "random")
 TESTS = ("higher", "lower", "similar", "not lower", "not higher")
 METRICS = ("jumpstart", "final", "total", "greedy", "early", "hours")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]*")
@@ -97,8 +97,8 @@ class SetSpec:
         sources += ["of"] if self.of else []
         if len(sources) != 1:
             raise ValueError(f"needs exactly one of package, file, teacher, of and rules, not {sources or 'none'}")
-        if self.pick not in PICKS:
-            raise ValueError(f"pick must be one of {', '.join(PICKS)}, not {self.pick!r}")
+        if self.pick not in ("all", *PICKS):
+            raise ValueError(f"pick must be one of all, {', '.join(PICKS)}, not {self.pick!r}")
         if self.pick != "all" and (not self.of or self.episodes is None):
             raise ValueError(f"pick = {self.pick!r} needs 'of' and 'episodes'")
         if self.episodes is not None and self.episodes < 1:

@@ -38,10 +38,13 @@ __all__ = [
     "DemonstrationSet",
     "DemonstrationWriter",
     "Description",
+    "PICKS",
     "combine",
 ]
 
 COVERAGE_BINS = 10
+PICKS = ("first", "best", "worst", "random")
+"""Ways to pick episodes of a set."""
 T = TypeVar("T")
 
 
@@ -222,26 +225,42 @@ class DemonstrationSet:
 
     def best(self, n: int) -> DemonstrationSet:
         """Return the n longest episodes, in the order they were recorded."""
-        return self._chosen(np.argsort(-self.durations, kind="stable")[: self._checked(n)])
+        return self.split(n, "best")[0]
 
     def worst(self, n: int) -> DemonstrationSet:
         """Return the n shortest episodes, in the order they were recorded."""
-        return self._chosen(np.argsort(self.durations, kind="stable")[: self._checked(n)])
+        return self.split(n, "worst")[0]
 
     def random(self, n: int, seed: int) -> DemonstrationSet:
         """Return n episodes drawn at random, in the order they were recorded."""
-        return self._chosen(np.random.default_rng(seed).permutation(len(self))[: self._checked(n)])
+        return self.split(n, "random", seed)[0]
 
-    def split(self, n: int, seed: int | None = None) -> tuple[DemonstrationSet, DemonstrationSet]:
-        """Return n episodes and the others: the first n, or, with a seed, n drawn at random."""
-        order = np.arange(len(self)) if seed is None else np.random.default_rng(seed).permutation(len(self))
-        first = self._checked(n)
-        return self._chosen(order[:first]), self._chosen(order[first:])
+    def split(self, n: int, pick: str = "first", seed: int = 0) -> tuple[DemonstrationSet, DemonstrationSet]:
+        """Return n episodes and the others, both in the order they were recorded.
 
-    def _checked(self, n: int) -> int:
+        Parameters
+        ----------
+        n : int
+        pick : {"first", "best", "worst", "random"}
+            Which n; best: the longest.
+        seed : int
+            Of random picks.
+
+        Raises
+        ------
+        ValueError
+            When there are fewer than n, or no such way to pick.
+        """
+        if pick not in PICKS:
+            raise ValueError(f"episodes are picked by {', '.join(PICKS)}, not {pick!r}")
         if not 0 <= n <= len(self):
             raise ValueError(f"the demonstration has {len(self)} episodes; cannot take {n} of them")
-        return n
+        if pick == "random":
+            order = np.random.default_rng(seed).permutation(len(self))
+        else:
+            sign = {"first": 0.0, "best": -1.0, "worst": 1.0}[pick]
+            order = np.argsort(sign * self.durations, kind="stable")
+        return self._chosen(order[:n]), self._chosen(order[n:])
 
     def _chosen(self, positions: NDArray[np.intp]) -> DemonstrationSet:
         return replace(self, episodes=tuple(self.episodes[k] for k in np.sort(positions)))

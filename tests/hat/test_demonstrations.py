@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rcss_hat.hat.demonstrations import (
+    PICKS,
     Demonstration,
     DemonstrationInfo,
     DemonstrationSet,
@@ -128,15 +129,25 @@ def test_random_choice_depends_on_the_seed_only() -> None:
     assert len(set(chosen[0])) == 10
 
 
-@given(st.integers(0, 6), st.none() | st.integers(0, 9))
-def test_split_parts_the_set(n: int, seed: int | None) -> None:
+@given(st.integers(0, 6), st.sampled_from(PICKS), st.integers(0, 9))
+def test_split_parts_the_set(n: int, pick: str, seed: int) -> None:
     demonstrations = made_up()
-    first, rest = demonstrations.split(n, seed)
+    first, rest = demonstrations.split(n, pick, seed)
     assert len(first) == n
+    for part in (first, rest):
+        assert [d.episode.number for d in part] == sorted(d.episode.number for d in part)
     numbers = [d.episode.number for part in (first, rest) for d in part]
     assert sorted(numbers) == [d.episode.number for d in demonstrations]
-    if seed is None:
+    if pick == "first":
         assert numbers == sorted(numbers)
+    if pick in ("best", "worst") and 0 < n < len(demonstrations):
+        long, short = (first, rest) if pick == "best" else (rest, first)
+        assert long.durations.min() >= short.durations.max()
+
+
+def test_an_unknown_way_to_pick_is_refused() -> None:
+    with pytest.raises(ValueError, match="picked by first, best, worst, random, not 'nicest'"):
+        made_up().split(1, "nicest")
 
 
 def test_too_many_episodes_are_an_error() -> None:
