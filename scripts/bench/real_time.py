@@ -1,10 +1,11 @@
 """Real time against synch mode: does our team miss cycles at 100 ms, and does it play as well?
 
-    scripts/bench/real_time.py [--executable RCSSSERVER | --fake] [--episodes N] [--synch-episodes N]
+    scripts/bench/real_time.py [--executable RCSSSERVER | --fake] [--matches M] [--episodes N] [--synch-episodes N]
 
 3v2, hand-coded, full vision. A cycle is missed when a player had not decided before the next sense_body came; a
 command is lost when the server did not accept it (its counts of kicks, dashes and turns against what was sent): it came
-too late and met the next one. Real time takes its time: 100 hand-coded episodes last about 19 minutes.
+too late and met the next one. When a player sees depends on when it connected, so matches differ, and several are
+played. Real time takes its time: 100 hand-coded episodes last about 19 minutes.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import argparse
 import asyncio
 import os
 import re
-from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -55,14 +56,37 @@ class Watched:
         return int(sense["counts"][0, _COUNTED].sum())
 
 
-def play(executable: str | None, synch: bool, episodes: int, say: Callable[[int], None]) -> dict[str, float]:
-    policy = load_policy("hand", TASK.keepers, TASK.takers, 1)
+@dataclass
+class Played:
+    """What some matches came to."""
+
+    durations: list[float] = field(default_factory=list)
+    means: list[float] = field(default_factory=list)
+    asked: int = 0
+    missed: int = 0
+    sent: int = 0
+    accepted: int = 0
+
+    def text(self) -> str:
+        n = len(self.durations)
+        interval = 1.96 * float(np.std(self.durations)) / n**0.5
+        means = ", ".join(f"{mean:.1f}" for mean in self.means)
+        text = f"{n} episodes, mean {np.mean(self.durations):.2f} +/- {interval:.2f} s (matches {means})"
+        if self.sent:
+            lost = 1.0 - self.accepted / self.sent
+            text += f", missed {self.missed / self.asked:.3%} of cycles, lost {lost:.3%} of commands"
+        return text
+
+
+def play(executable: str | None, synch: bool, episodes: int, seed: int, played: Played) -> None:
+    """Play a match of so many episodes, and add what it came to."""
+    policy = load_policy("hand", TASK.keepers, TASK.takers, seed)
     policy.warm_up()
 
     async def run() -> tuple[Match, list[Watched], list[float]]:
-        async with ServerProcess(TASK, 1, executable, synch_mode=synch) as server:
+        async with ServerProcess(TASK, seed, executable, synch_mode=synch) as server:
             await server.answers(300.0)
-            match = Match(TASK, server.host, server.port, 1, policy, True, episodes, lambda n, cycle: say(n))
+            match = Match(TASK, server.host, server.port, seed, policy, True, episodes)
             await match.connect()
             watched = [Watched(client) for client in match.clients]
             await match.play(kick_off=True, server=server)
@@ -71,38 +95,34 @@ def play(executable: str | None, synch: bool, episodes: int, say: Callable[[int]
         return match, watched, durations
 
     match, watched, durations = asyncio.run(run())
-    asked = len(match.players) * match.cycles
-    sent = sum(player.sent for player in watched)
-    return {
-        "episodes": len(durations),
-        "mean": float(np.mean(durations)),
-        "ci": 1.96 * float(np.std(durations)) / len(durations) ** 0.5,
-        "missed": match.missed / asked,
-        "lost": 1.0 - sum(player.accepted for player in watched) / sent if sent else 0.0,
-    }
+    played.durations += durations
+    played.means.append(float(np.mean(durations)))
+    played.asked += len(match.players) * match.cycles
+    played.missed += match.missed
+    played.sent += sum(player.sent for player in watched)
+    played.accepted += sum(player.accepted for player in watched if player.sent)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--executable", default=None, help="an rcssserver [default: the one on PATH]")
     parser.add_argument("--fake", action="store_true", help="the fake server instead")
+    parser.add_argument("--matches", type=int, default=4, help="[default: 4]")
     parser.add_argument("--episodes", type=int, default=100, help="in real time [default: 100]")
     parser.add_argument("--synch-episodes", type=int, default=400, help="[default: 400]")
+    parser.add_argument("--seed", type=int, default=1, help="of the first match [default: 1]")
     arguments = parser.parse_args()
     executable = None if arguments.fake else find_executable(arguments.executable)
     if executable is None and not arguments.fake:
         raise SystemExit("no rcssserver found; name one by --executable, or take --fake")
     name = "fake" if executable is None else "real"
     for synch, episodes in ((True, arguments.synch_episodes), (False, arguments.episodes)):
-        if not episodes:
-            continue
-        mode = "synch mode" if synch else "real time"
-        result = play(executable, synch, episodes, lambda n: print(f"  {n}", end="\r", flush=True))
-        load = os.getloadavg()[2]
-        line = f"{name}, {mode}: {result['episodes']} episodes, mean {result['mean']:.2f} +/- {result['ci']:.2f} s"
-        if not synch:
-            line += f", missed {result['missed']:.3%} of cycles, lost {result['lost']:.3%} of commands"
-        print(f"{line} (load {load:.1f})", flush=True)
+        played, each = Played(), episodes // arguments.matches
+        for number in range(arguments.matches if each else 0):
+            play(executable, synch, each, arguments.seed + number, played)
+        if each:
+            mode = "synch mode" if synch else "real time"
+            print(f"{name}, {mode}: {played.text()} (load {os.getloadavg()[2]:.1f})", flush=True)
 
 
 if __name__ == "__main__":
