@@ -26,6 +26,15 @@ def trainer(clients: Clients, players: list[Client]) -> Client:
     return clients.trainer()
 
 
+@pytest.fixture(scope="module")
+def still():
+    """A trainer of a match in which no step is made: the referee does not see what he does."""
+    with serving(options(coach_w_referee=True, simulator_step=1_000_000)) as clients:
+        for team in ("keepers", "takers"):
+            clients.player(team)
+        yield clients.trainer()
+
+
 REPLY = r"\((ok|error|warning)"
 
 
@@ -80,19 +89,19 @@ def test_one_trainer_at_a_time(clients: Clients, trainer: Client) -> None:
         ("bogus", "(error illegal_command_form)"),
     ],
 )
-def test_replies(trainer: Client, command: str, reply: str) -> None:
-    told = trainer.ask(command, REPLY)
+def test_replies(still: Client, command: str, reply: str) -> None:
+    told = still.ask(command, REPLY)
     assert told == reply or re.fullmatch(reply, told)
 
 
-def test_look_shows_everything_where_it_was_put(trainer: Client) -> None:
+def test_look_shows_everything_where_it_was_put(still: Client) -> None:
     for command in (
         "(move (ball) 3 4 0 0.4 -0.5)",
         "(move (player keepers 1) -10.25 5 90 0.125 0)",
         "(move (player takers 1) 20 -5 180)",
     ):
-        assert trainer.ask(command, REPLY) == "(ok move)"
-    told = trainer.ask("(look)", REPLY)
+        assert still.ask(command, REPLY) == "(ok move)"
+    told = still.ask("(look)", REPLY)
     start = "(ok look 0 ((g r) 52.5 0) ((g l) -52.5 0) ((b) 3 4 0.4 -0.5) "
     assert told.startswith(start)
     assert re.fullmatch(
