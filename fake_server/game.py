@@ -11,6 +11,7 @@ from collections import Counter
 import numpy as np
 from numpy.typing import NDArray
 
+from fake_server.cards import Cards
 from fake_server.options import ServerOptions
 from fake_server.simulation.cycle import step
 from fake_server.simulation.keepaway import kick_off, last_episode
@@ -29,7 +30,6 @@ from fake_server.simulation.state import (
     E_TIME_EXTENDED,
     E_TIME_UP,
     E_WITHOUT_A_TEAM,
-    F_DISCARD,
     FREE_KICK_LEFT,
     FREE_KICK_RIGHT,
     GOAL_LEFT,
@@ -78,6 +78,7 @@ class Game:
     streams : ndarray of uint64, shape (3, 4)
     names : list of str
         Of the left and the right team, empty while there is none.
+    cards : Cards
     touch : TouchReferee or None
         Judges goals and the lines; None in Keepaway and without referees.
     """
@@ -100,6 +101,7 @@ class Game:
         self.match["score"][0] = [int(self.params.number(f"start_goal_{side}")) for side in "lr"]
         self.streams = streams(seed)
         self._fresh_streams = self.streams.copy()
+        self.cards = Cards(self.match)
         self.names = ["", ""]
         self._sizes = [0, 0]
         self._substituted: set[int] = set()
@@ -222,6 +224,8 @@ class Game:
         if k is None or not 1 <= unum <= MAX_PLAYERS:
             raise JoinError("(error no_such_team_or_player)")
         i = k * MAX_PLAYERS + unum - 1
+        if self.cards.sent_off(i):
+            raise JoinError("(error red_carded_player)")
         version = int(self.match["version"][0, i])
         if not self.knows_version(version):  # of a number that never connected
             raise JoinError("(error illegal_client_version)")
@@ -251,6 +255,7 @@ class Game:
         self.settle_randomness()
         before, time = self.mode, self.time
         step(self.match, self.kernel, self.types, self.streams)
+        self.cards.mark()
         announced = self._announcements(before)
         return announced if self.touch is None else announced + self.touch.look(time)
 
@@ -302,11 +307,6 @@ class Game:
     def recover(self) -> None:
         """Give everybody full stamina."""
         recover_all(self.match, self.kernel)
-
-    def discard(self, i: int) -> None:
-        """Take a player off the field, as a monitor does."""
-        disconnect(self.match, i)
-        self.match["flags"][0, i] |= F_DISCARD
 
     def types_at_kick_off(self) -> list[tuple[int, int]]:
         """Return who gets which type at the first kick-off, as of each type only ``player::pt_max`` may play.

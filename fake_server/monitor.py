@@ -127,14 +127,23 @@ class MonitorClient:
             self.connection.close()
         elif isinstance(command, said.DispFoul):
             server.announce(game.call_foul(command.side, command.x, command.y))
-        elif isinstance(command, said.DispPlayer):
+        elif isinstance(command, said.DispCard) and game.params.profile == "11.1":
+            return False
+        elif isinstance(command, said.DispPlayer | said.DispDiscard | said.DispCard):
             i = game.player_index(command.side, command.unum)
             if i is not None:
-                game.move_player(i, command.x, command.y, float(command.angle), (0.0, 0.0))
-        elif isinstance(command, said.DispDiscard):
-            i = game.player_index(command.side, command.unum)
-            if i is not None and game.enabled(i):
-                server.discard(i)
+                self._treat_player(i, command)
         else:
             return False
         return True
+
+    def _treat_player(self, i: int, command: said.DispPlayer | said.DispDiscard | said.DispCard) -> None:
+        """Place a player, take him out, or show him a card; the latter two only to players in the game."""
+        if isinstance(command, said.DispPlayer):
+            self.game.move_player(i, command.x, command.y, float(command.angle), (0.0, 0.0))
+        elif not self.game.enabled(i):
+            return
+        elif isinstance(command, said.DispDiscard):
+            self.server.discard(i)
+        else:
+            self.server.show_card(i, command.card)

@@ -287,7 +287,13 @@ class Server:
         player = self.players[i]
         if player is not None:
             self._release(player)
-        self.game.discard(i)
+        self.game.leave(i)
+
+    def show_card(self, i: int, card: str) -> None:
+        """Show a player a yellow or red card on a monitor's command, and take him out if that sends him off."""
+        self.announce(self.game.cards.give(i, card))
+        if self.game.cards.sent_off(i):
+            self.discard(i)
 
     def _release(self, player: PlayerClient) -> None:
         self.players[player.i] = None

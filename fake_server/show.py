@@ -22,7 +22,6 @@ from fake_server.digits import (
 )
 from fake_server.simulation.clock import view_angle
 from fake_server.simulation.state import (
-    F_DISCARD,
     F_GOALIE,
     F_STAND,
     N_COUNTERS,
@@ -36,6 +35,8 @@ from rcss_hat.protocol.records import HIGH, LEFT, MAX_PLAYERS, NO_SIDE
 MAX_SHOW = 65536
 """Room for a frame; the longest that a match can print is far shorter."""
 MESSAGE_BOARD, LOG_BOARD = 1, 2
+F_YELLOW_CARD, F_RED_CARD = 0x40000, 0x80000
+"""State flags of cards; see `fake_server.cards`."""
 
 _LENGTH, _ANGLE = 0.0001, 0.001
 _OPEN, _CLOSE, _SPACE, _L, _R = 40, 41, 32, 108, 114
@@ -51,10 +52,10 @@ _COUNTS = ascii_bytes(") (c")
 
 @inlined
 def state_flags(match: NDArray[np.void], i: int) -> int:
-    """Return a player's state word of the monitor protocol."""
+    """Return a player's state word of the monitor protocol; off the field only cards are left of it."""
     flags = match["flags"][0, i]
     if not match["enabled"][0, i]:
-        return flags & F_DISCARD
+        return flags & (F_YELLOW_CARD | F_RED_CARD)
     return flags | F_STAND | (F_GOALIE if match["goalie"][0, i] else 0)
 
 

@@ -88,7 +88,7 @@ def test_kick_off_and_messages(clients: Clients) -> None:
         ("(nonsense)", "(error illegal_command_form)"),
         ("(dispplayer 1 1)", "(error illegal_command_form)"),
         ("(dispfoul 1)", "(error illegal_command_form)"),
-        ("(dispcard 1 1 yellow)", "(error illegal_command_form)"),
+        ("(dispcard 1 1 green)", "(error illegal_command_form)"),
         ("(compression 12)", "(error illegal_command_form)"),
         ("(start)", "(error illegal_command_form)"),
     ],
@@ -129,7 +129,39 @@ def test_placing_players_dropping_the_ball_and_discarding() -> None:
         assert shown("(dispfoul 32 16 1)", r"\(pm 8\) .*\(\(b\) 2 1 0 0\)")
         player.until(r"\(think\)")
         monitor.send("(dispdiscard 1 1)")
-        assert monitor.until(r"\(show .*\(\(l 1\) 0 0x100 ")
+        assert monitor.until(r"\(show .*\(\(l 1\) 0 0 -3 -37 ")
+
+
+def test_cards() -> None:
+    with serving(options(send_comms=True)) as clients:
+        player, other = clients.player(), clients.player()
+        monitor = clients.monitor(5)
+        monitor.send("(dispcard 1 1 yellow)")
+        assert monitor.until(r"\(msg")[-1] == '(msg 0 1 "(referee yellow_card_l_1)")'
+        assert monitor.until(r"\(show .*\(\(l 1\) 0 0x40001 ")
+        monitor.send("(dispcard 1 1 yellow)")
+        assert [m for m in monitor.until(r"\(show .*\(\(l 1\) 0 0x80000 -3 -37 ") if m.startswith("(msg")] == [
+            '(msg 0 1 "(referee yellow_card_l_1)")',
+            '(msg 0 1 "(referee red_card_l_1)")',
+        ]
+        assert player.until(r"\(hear 0 referee red_card_l_1\)") and other.until(r"\(hear 0 referee red_card_l_1\)")
+        monitor.send("(dispcard 1 9 red)")  # nobody there
+        again = clients.open()
+        assert again.ask("(reconnect keepers 1)", r"\((reconnect|error)") == "(error red_carded_player)"
+        monitor.send("(dispcard 1 2 red)")
+        assert monitor.until(r"\(msg")[-1] == '(msg 0 1 "(referee red_card_l_2)")'
+        assert monitor.until(r"\(show .*\(\(l 2\) 0 0x80000 ")
+
+
+def test_no_cards_in_version_11() -> None:
+    with serving(options(profile="11.1")) as clients:
+        clients.player()
+        monitor = clients.open()
+        monitor.send("(dispinit version 2)")
+        monitor.receive_bytes()
+        monitor.send("(dispcard 1 1 red)")
+        datagrams = (monitor.receive_bytes() for _ in range(30))
+        assert any(b"(error illegal_command_form)" in data for data in datagrams)
 
 
 def test_replies_in_coach_mode() -> None:
