@@ -247,6 +247,6 @@ def test_players_are_found_by_side_and_number() -> None:
     ]
     i = match.join("a", 11, True)
     assert match.visible_name(i) == 'p "a" 1 goalie'
-    match.discard(i)
-    assert match.match["flags"][0, i] == 0x100 and not match.enabled(i)
+    match.leave(i)
+    assert match.match["flags"][0, i] == 0 and not match.enabled(i)
     assert match.match["focus_side"][0, i] != LEFT
