@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import signal
 import sys
+from types import FrameType
 
 import click
 
@@ -64,6 +66,13 @@ def cli() -> None:
     """
 
 
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # shells ignore Ctrl-C for background jobs
+        raise KeyboardInterrupt
+    signal.raise_signal(signal.SIGINT)
+
+
 def main() -> None:
-    """Entry point of the console script."""
+    """Entry point of the console script; being terminated is the same as Ctrl-C, so that nothing is left half done."""
+    signal.signal(signal.SIGTERM, _interrupt)
     sys.exit(cli(prog_name="rcss-hat"))
