@@ -23,15 +23,15 @@ STYLE = """
   figure img, figure svg { background: #ffffff; border-radius: 4px; }
 }
 body { font: 16px/1.55 system-ui, sans-serif; color: var(--ink); background: var(--paper);
-  max-width: 62rem; margin: 2.5rem auto; padding: 0 1.25rem; }
+  max-width: 66rem; margin: 2.5rem auto; padding: 0 1.25rem; }
 h1 { font-size: 1.7rem; line-height: 1.25; margin-bottom: .4rem; }
 h2 { font-size: 1.25rem; margin-top: 2.6rem; border-bottom: 1px solid var(--line); padding-bottom: .25rem; }
 h3 { font-size: 1.02rem; margin-top: 1.8rem; margin-bottom: .4rem; }
 p { max-width: 48rem; }
 .table { overflow-x: auto; margin: .8rem 0 1.2rem; }
-table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .75rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
-th { font-weight: 600; color: var(--dim); vertical-align: bottom; }
+table { border-collapse: collapse; font-size: .86rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .6rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
+th { font-weight: 600; color: var(--dim); vertical-align: bottom; white-space: normal; }
 td:first-child, th:first-child { text-align: left; padding-left: 0; }
 table.text td { white-space: normal; text-align: left; vertical-align: top; }
 table.text th { text-align: left; }
