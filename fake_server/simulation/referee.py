@@ -2,9 +2,9 @@
 
 Source: 19.0.0, src/referee.cpp (TimeRef, BallStuckRef, OffsideRef, FreeKickRef) and src/stadium.cpp (changePlayMode).
 
-Goals and the ball beyond the lines are judged outside of the compiled step (``fake_server.touch``), as Keepaway never gets
-there. Not simulated: offside, back passes, fouls, illegal defence and penalty shoot-outs; a trainer may set any play mode,
-and set plays and stoppages run their course.
+Goals and the ball beyond the lines are judged outside of the compiled step (``fake_server.touch``), as Keepaway never
+gets there. Not simulated: offside, back passes, fouls, illegal defence and penalty shoot-outs; a trainer may set any
+play mode, and set plays and stoppages run their course.
 """
 
 from __future__ import annotations
