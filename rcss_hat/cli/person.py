@@ -15,11 +15,13 @@ from rcss_hat.keepaway.task import Task
 if TYPE_CHECKING:
     from rcss_hat.hat.demonstration_writer import DemonstrationWriter
     from rcss_hat.team.servers import ServerProcess
-    from rcss_hat.viewer.audience import Source
+    from rcss_hat.viewer.audience import Audience, Source
     from rcss_hat.viewer.demonstration import Demonstration
 
 ACTION_NAMES = {"hold": 0, **{f"pass{k}": k for k in range(1, 11)}}
 TITLE = "demonstration"
+COUNTDOWN = 3
+"""Seconds to get ready in the arena."""
 
 
 def parse_actions(text: str | None, keepers: int) -> tuple[int, ...]:
@@ -78,7 +80,24 @@ def _arena(task: Task, seed: int, demonstration: Demonstration, speed: float) ->
     from rcss_hat.viewer.arena_game import ArenaGame
 
     brains = fixed_brains(EXTERNAL, task.keepers, seed)
-    return ArenaGame(task, seed, TeamPolicy("person", brains, task.keepers, task.takers), demonstration, speed)
+    policy = TeamPolicy("person", brains, task.keepers, task.takers)
+    return ArenaGame(task, seed, policy, demonstration, speed, COUNTDOWN)
+
+
+class _OnceThere:
+    """A source that begins when the person is there."""
+
+    def __init__(self, source: Source, there: asyncio.Event) -> None:
+        self._source, self._there = source, there
+
+    def command(self, name: str, value: float) -> bool:
+        """Pass it on."""
+        return self._source.command(name, value)
+
+    async def run(self, audience: Audience) -> None:
+        """Wait, then show."""
+        await self._there.wait()
+        await self._source.run(audience)
 
 
 async def _on_server(
@@ -98,9 +117,15 @@ async def _on_server(
     tell_of_compilation("rcss_hat.keepaway.agent")
     address = stage if isinstance(stage, tuple) else None
     host, udp_port = address or (server.host, server.port)  # type: ignore[union-attr]
-    source = MonitorSource(host, udp_port, demonstration.insight, TITLE, patience=180.0)
-    endless = 10**9
-    playing = asyncio.create_task(play(report, task, seed, demonstration, endless, server, address))
+    there = asyncio.Event()
+    demonstration.on_arrival = there.set
+    source = _OnceThere(MonitorSource(host, udp_port, demonstration.insight, TITLE, patience=180.0), there)
+
+    async def play_once_there() -> None:
+        await there.wait()
+        await play(report, task, seed, demonstration, 10**9, server, address)
+
+    playing = asyncio.create_task(play_once_there())
     showing = asyncio.create_task(_show(source, demonstration, terminal, port, open_browser))
     try:
         await asyncio.wait({playing, showing}, return_when=asyncio.FIRST_COMPLETED)
@@ -119,13 +144,15 @@ async def _show(source: Source, demonstration: Demonstration, terminal: bool, po
     if terminal:
         from rcss_hat.viewer.terminal import Terminal
 
+        demonstration.person(True)
         screen = asyncio.create_task(Terminal(source, demonstration).run())
         await _until(over, screen)
         return
     from rcss_hat.viewer.server import serve
 
     async with await serve(source, demonstration, port=port, open_browser=open_browser) as viewer:
-        click.echo(f"Demonstrate at {viewer.url}  (Ctrl-C ends; finished episodes are kept)", err=True)
+        click.echo(f"Demonstrate at {viewer.url}", err=True)
+        click.echo("Play begins when the page is open. Ctrl-C ends; finished episodes are kept.", err=True)
         await _until(over, asyncio.create_task(viewer.wait()))
 
 

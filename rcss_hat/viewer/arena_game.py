@@ -19,6 +19,8 @@ from rcss_hat.viewer.demonstration import Demonstration
 from rcss_hat.viewer.frames import CYCLE_S, Setup
 from rcss_hat.viewer.narrator import make_frame
 
+PEEK = 0.05
+"""Seconds between two looks whether the person has come."""
 STALL = 1.0
 """Seconds after which a stopped machine does not make up for the cycles it missed."""
 
@@ -36,12 +38,20 @@ class ArenaGame:
         Who decides.
     speed : float
         Times real time.
+    countdown : int
+        Seconds between the person's coming and the first cycle. While nobody is there, the game stands still.
     """
 
     def __init__(
-        self, task: Task, seed: int, policy: TeamPolicy, demonstration: Demonstration, speed: float = 1.0
+        self,
+        task: Task,
+        seed: int,
+        policy: TeamPolicy,
+        demonstration: Demonstration,
+        speed: float = 1.0,
+        countdown: int = 0,
     ) -> None:
-        self.demonstration = demonstration
+        self.demonstration, self.countdown = demonstration, countdown
         self.setup = replace(Setup.from_params(f"arena, seed {seed}", task.params()), step_s=CYCLE_S / speed)
         self._match = ArenaMatch(task, seed, policy, external=self._decide, log_frames=True)
 
@@ -59,12 +69,25 @@ class ArenaGame:
         audience.notice("")
         audience.setup(self.setup, live=True)
         audience.episodes([])
+        await self._person(audience)
         loop = asyncio.get_running_loop()
         due = loop.time()
         while not self.demonstration.finished:
+            if self.demonstration.away:
+                await self._person(audience)
+                due = loop.time()
             due = max(due + self.setup.step_s, loop.time() - STALL)
             await asyncio.sleep(max(due - loop.time(), 0.0))
             self._cycle(audience, True)
+
+    async def _person(self, audience: Audience) -> None:
+        """Wait until the person is there, and ready."""
+        while self.demonstration.away and not self.demonstration.finished:
+            await asyncio.sleep(PEEK)
+        for left in range(self.countdown, 0, -1):
+            audience.notice(f"Begins in {left} ...")
+            await asyncio.sleep(1.0)
+        audience.notice("")
 
     def _cycle(self, audience: Audience, show: bool) -> None:
         """Play one cycle: the picture comes first, then the keepers decide on it."""

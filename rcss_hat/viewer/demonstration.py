@@ -56,6 +56,10 @@ class Demonstration:
         No more is recorded.
     on_finished : callable or None
         Called once when the last episode was recorded, or the person stopped.
+    away : bool
+        The person is not there: keepers hold, and an episode in which they had to decide is not kept.
+    on_arrival : callable or None
+        Called whenever the person comes.
     """
 
     def __init__(
@@ -65,6 +69,8 @@ class Demonstration:
         self.insight = Insight()
         self.finished = False
         self.on_finished: Callable[[], None] | None = None
+        self.away = False
+        self.on_arrival: Callable[[], None] | None = None
         self.paused = False
         self.dropped = 0
         self._closed = False
@@ -72,7 +78,7 @@ class Demonstration:
         self._decisions: list[_Decision] = []
         self._last: _Finished | None = None
         self._drop_running = False
-        self._spoiled = False  # the running episode was paused, or begun before we came
+        self._spoiled = False  # the running episode was paused, or played with nobody there
 
     # -- towards the players ------------------------------------------------------------------------------------------
     def __call__(self, number: int) -> tuple[Decide, None]:
@@ -86,7 +92,8 @@ class Demonstration:
     def decide(self, keeper: int, cycle: int, status: int, reward: float, state: NDArray[np.float64]) -> int:
         """Decide for a keeper (uniform number) who has the ball, and keep it in mind."""
         seen: list[float] = state.tolist()
-        action = HOLD if self.paused else self.keys.take(keeper, cycle, seen)
+        self._spoiled |= self.away
+        action = HOLD if self.paused or self.away else self.keys.take(keeper, cycle, seen)
         self.insight.decided(keeper, cycle, seen, action)
         if not self._closed:
             self._decisions.append(_Decision(cycle, keeper, np.array(state, dtype=np.float64), action))
@@ -112,6 +119,12 @@ class Demonstration:
             self.stop()
 
     # -- towards the person -------------------------------------------------------------------------------------------
+    def person(self, there: bool) -> None:
+        """Take note that the person has come, or gone."""
+        self.away = not there
+        if there and self.on_arrival is not None:
+            self.on_arrival()
+
     def command(self, name: str) -> bool:
         """Do what the person asked for.
 

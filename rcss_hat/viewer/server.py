@@ -120,7 +120,7 @@ class Viewer:
         self._token = secrets.token_urlsafe(24)
         self._sessions: set[str] = set()
         self._player: str | None = None
-        self._player_came = asyncio.Event()
+        self._players = 0  # pages of the browser that plays
         self._browsers: set[_Browser] = set()
         self._files = static_files()
         self._cookie = "rcss_hat"
@@ -131,7 +131,8 @@ class Viewer:
 
     # -- beginning and end --------------------------------------------------------------------------------------------
     async def start(self, port: int) -> None:
-        """Listen, and begin to show the source."""
+        """Listen, and begin to show the source; nobody is there to play yet."""
+        self._count_players(0)
         app = web.Application(middlewares=[self._guard], client_max_size=MAX_MESSAGE)
         app.router.add_get("/", self._page)
         app.router.add_get("/socket", self._socket)
@@ -154,10 +155,6 @@ class Viewer:
         except WatchError as error:
             self.failure = str(error)
             self.notice(f"The end: {error}.")
-
-    async def player_came(self) -> None:
-        """Wait until the browser that plays is there."""
-        await self._player_came.wait()
 
     async def wait(self) -> None:
         """Wait until the source ends.
@@ -310,6 +307,8 @@ class Viewer:
                     self._hear(browser, message.data)
         finally:
             self._browsers.discard(browser)
+            if role == PLAYER:
+                self._count_players(-1)
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError, ConnectionError):
                 await sender
@@ -326,7 +325,13 @@ class Viewer:
                 browser.say(self._told[kind])
         self._browsers.add(browser)
         if browser.role == PLAYER:
-            self._player_came.set()
+            self._count_players(1)
+
+    def _count_players(self, change: int) -> None:
+        """Let the demonstration know whether anybody is there to play."""
+        self._players += change
+        if self.controls is not None:
+            self.controls.person(self._players > 0)
 
     # -- what people ask for ------------------------------------------------------------------------------------------
     def _hear(self, browser: _Browser, text: str) -> None:

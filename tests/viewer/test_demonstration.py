@@ -129,6 +129,22 @@ def test_while_paused_keepers_hold_and_the_episode_is_not_kept(session: Session)
     assert demonstration.dropped == 0
 
 
+def test_with_nobody_there_keepers_hold_and_the_episode_is_not_kept(session: Session) -> None:
+    demonstration, came = session.demonstration, []
+    demonstration.on_arrival = lambda: came.append(True)
+    demonstration.person(False)
+    assert session.decide(2) == 0 and not came
+    session.end()
+    assert demonstration.kept == 0
+    demonstration.person(True)
+    session.play(1)
+    demonstration.person(False)  # gone, and back before a keeper had to decide
+    demonstration.person(True)
+    session.play(2)
+    assert len(came) == 2
+    assert [e.actions.tolist() for e in session.read()] == [[1], [2]]
+
+
 def test_it_finishes_with_the_last_episode_wanted(tmp_path: Path) -> None:
     session, told = Session(tmp_path / "x.csv", episodes=2), []
     session.demonstration.on_finished = lambda: told.append(True)

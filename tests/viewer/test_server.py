@@ -170,6 +170,20 @@ async def test_the_player_stays_the_player_when_the_page_is_loaded_again(viewer:
     assert player.last("hello")["role"] == "player"  # type: ignore[index]
 
 
+async def test_the_person_is_there_while_a_page_of_the_player_is_open(
+    viewer: Viewer, pages: list[Page], controls: Demonstration
+) -> None:
+    assert controls.away, "nobody has opened the link yet"
+    player = await pages[0].open()
+    assert not controls.away
+    await pages[1].open()  # watches
+    assert player.socket is not None
+    await player.socket.close()
+    await until(lambda: controls.away)
+    await player.open()
+    assert not controls.away
+
+
 async def test_opening_the_link_without_connecting_takes_nothing(viewer: Viewer, pages: list[Page]) -> None:
     """Some programs fetch links that they show."""
     assert (await get(viewer.url))[0] == 200
