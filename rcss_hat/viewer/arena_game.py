@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from rcss_hat.arena.match import ArenaMatch
 from rcss_hat.hat.policy import TeamPolicy
+from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
 from rcss_hat.numeric.aside import aside
 from rcss_hat.viewer.arena_reel import snapshot_of
@@ -65,10 +66,11 @@ class ArenaGame:
     async def run(self, audience: Audience) -> None:
         """Play until the demonstration is finished."""
         audience.notice("Compiling; this takes a while the first time.")
-        await aside(self._cycle, audience, False)
+        await aside(self._advance)
         audience.notice("")
         audience.setup(self.setup, live=True)
         audience.episodes([])
+        self._show(audience)
         await self._person(audience)
         loop = asyncio.get_running_loop()
         due = loop.time()
@@ -78,7 +80,10 @@ class ArenaGame:
                 due = loop.time()
             due = max(due + self.setup.step_s, loop.time() - STALL)
             await asyncio.sleep(max(due - loop.time(), 0.0))
-            self._cycle(audience, True)
+            ended = self._advance()
+            self._show(audience)
+            for episode in ended:
+                audience.episode(episode)
 
     async def _person(self, audience: Audience) -> None:
         """Wait until the person is there, and ready."""
@@ -89,15 +94,12 @@ class ArenaGame:
             await asyncio.sleep(1.0)
         audience.notice("")
 
-    def _cycle(self, audience: Audience, show: bool) -> None:
-        """Play one cycle: the picture comes first, then the keepers decide on it."""
-        match = self._match
-        ended = [e for chunk in match.advance(cycles=match.cycle + 1) for e in chunk]
+    def _advance(self) -> list[Episode]:
+        """Play one cycle; returns the episodes that ended."""
+        return [e for chunk in self._match.advance(cycles=self._match.cycle + 1) for e in chunk]
+
+    def _show(self, audience: Audience) -> None:
         insight = self.demonstration.insight
-        for record in match.take_frames():
-            if not show:
-                continue
+        for record in self._match.take_frames():
             episode, start = int(record["episode"]), int(record["episode_start"])
             audience.frame(make_frame(snapshot_of(record), self.setup, episode, start, insight.thought, insight.values))
-        for finished in ended:
-            audience.episode(finished)

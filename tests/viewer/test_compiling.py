@@ -64,5 +64,5 @@ async def test_a_viewer_is_closed_while_the_arena_compiles(monkeypatch: pytest.M
     monkeypatch.setattr(ArenaMatch, "advance", compile_for_ever)
     async with await serve(to_play(), open_browser=False):
         await until(compiling.is_set)
-        assert "_cycle" in {thread.name for thread in threading.enumerate()}
+        assert "_advance" in {thread.name for thread in threading.enumerate()}
     assert "_cycle" not in {thread.name for thread in threading.enumerate()}
