@@ -65,4 +65,4 @@ async def test_a_viewer_is_closed_while_the_arena_compiles(monkeypatch: pytest.M
     async with await serve(to_play(), open_browser=False):
         await until(compiling.is_set)
         assert "_advance" in {thread.name for thread in threading.enumerate()}
-    assert "_cycle" not in {thread.name for thread in threading.enumerate()}
+    assert "_advance" not in {thread.name for thread in threading.enumerate()}
