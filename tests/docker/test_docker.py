@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 from fake_server.options import parse_options
 from rcss_hat.cli.main import cli
@@ -53,3 +54,22 @@ def test_compose_starts_the_players_with_commands_that_exist(service: str) -> No
 def test_compose_waits_for_a_server_that_answers() -> None:
     assert (DOCKER / "compose.yaml").read_text().count("condition: service_healthy") == 2
     assert "HEALTHCHECK" in (DOCKER / "server.Dockerfile").read_text()
+
+
+@pytest.mark.parametrize("name", ["compose.yaml", "compose.host.yaml"])
+def test_the_log_folder_belongs_to_the_servers_user_before_it_starts(name: str) -> None:
+    services = yaml.safe_load((DOCKER / name).read_text())["services"]
+    logs, server = services["logs"], services["server"]
+    assert logs["entrypoint"] == ["chown", "1000", "/logs"] and logs["user"] == "0"
+    assert logs["volumes"] == server["volumes"] == ["./logs:/logs"]
+    assert server["depends_on"]["logs"]["condition"] == "service_completed_successfully"
+
+
+def test_what_the_players_image_copies_is_not_ignored() -> None:
+    """All else is: a virtual environment or results would make the build context large."""
+    ignored = (DOCKER / "players.Dockerfile.dockerignore").read_text().splitlines()
+    lines = (DOCKER / "players.Dockerfile").read_text().splitlines()
+    copied = [name for line in lines if line.startswith("COPY ") for name in line.split()[1:-1]]
+    assert ignored[0] == "*" and len(copied) == 6
+    for name in copied:
+        assert f"!{name}" in ignored and (DOCKER.parent / name).exists()
