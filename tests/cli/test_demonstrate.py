@@ -124,6 +124,6 @@ async def test_nothing_is_played_while_nobody_is_there(tmp_path: Path) -> None:
         assert cycles[0] <= 2 and "Begins in 3 ..." in notices
         await asyncio.sleep(1.5)
         later, _ = await frames(http, address)
-        assert later[0] <= cycles[-1] + 10
+        assert later[0] <= cycles[-1] + 40, "75 cycles would have been played"
     assert await process.wait() == 0
     assert len(DemonstrationSet.load(out)) == 2
