@@ -121,7 +121,8 @@ def main() -> None:
     shutil.rmtree(experiment, ignore_errors=True)
     run("experiment", str(study), "--out", str(experiment), "--jobs", "2")
     lines = (experiment / "report" / "report.md").read_text().splitlines()
-    print("\n" + "\n".join(line for line in lines[:20] if line.startswith("|")))
+    tables = lines[: lines.index("## Learning curves")]
+    print("\n" + "\n".join(line for line in tables if line.startswith("|")))
     print(f"\nEpisode durations: {picture}\nLearning curves and tables: {experiment}/report")
     print(f"{time.monotonic() - begun:.0f} s in all")
 
