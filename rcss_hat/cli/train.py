@@ -78,7 +78,9 @@ class Settings:
 @click.option("--demonstrations", type=click.Path(dir_okay=False, path_type=Path), help="Demonstrations to replay.")
 @click.option("--hours", type=click.FloatRange(0, min_open=True), default=30.0, show_default=True, help="Simulated.")
 @click.option("--on", "stage", type=Stage(ARENA, FAKE, REAL), default=ARENA, show_default=True, help="Where to play.")
-@click.option("--learner", default="paper", show_default=True, help="Preset (cmac, paper, best) or a .toml file.")
+@click.option(
+    "--learner", default="paper", show_default=True, help="Preset (paper, printed, cmac, best) or a .toml file."
+)
 @click.option("--set", "changes", multiple=True, metavar="GROUP.NAME=VALUE", help="E.g. learner.epsilon=0.05.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same run (arena).")
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), required=True, help="Folder of the run.")

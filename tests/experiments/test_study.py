@@ -90,7 +90,7 @@ def test_scaling_keeps_the_share_of_rounds_and_the_trials_of_samples() -> None:
 def test_another_learner_for_all_conditions() -> None:
     study = parse_study(SMALL, Path()).learned_by("best")
     assert {c.learner for c in study.conditions.values()} == {load_config("best")}
-    with pytest.raises(StudyError, match="learner: no learner preset 'worst'; there are best, cmac, paper"):
+    with pytest.raises(StudyError, match="learner: no learner preset 'worst'; there are best, cmac, paper, printed"):
         study.learned_by("worst")
 
 

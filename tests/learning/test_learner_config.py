@@ -8,7 +8,7 @@ from rcss_hat.learning.config import LearnerConfig, load_config, preset_names
 
 
 def test_every_preset_of_the_package_builds_a_learner() -> None:
-    assert {"best", "cmac", "paper"} <= set(preset_names())
+    assert {"best", "cmac", "paper", "printed"} <= set(preset_names())
     for name in preset_names():
         config = load_config(name)
         assert config.name == name
@@ -30,6 +30,8 @@ def test_the_paper_s_learner() -> None:
     config = load_config("paper")
     assert (config.approximator, config.epsilon, config.gamma, config.lambda_) == ("rbf", 0.01, 1.0, 0.0)
     assert config.epsilon == load_config("cmac").epsilon, "the players' own exploration, not the printed one"
+    printed = load_config("printed")
+    assert printed == config.with_changes(name="printed", description=printed.description, epsilon=0.10)
 
 
 def test_the_literal_step_of_the_paper_is_small() -> None:
