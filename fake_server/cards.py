@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.show import F_RED_CARD, F_YELLOW_CARD
+from fake_server.simulation.state import F_RED_CARD, F_YELLOW_CARD
 from rcss_hat.protocol.records import MAX_PLAYERS
 
 _SENT_OFF = 2

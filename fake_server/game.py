@@ -18,6 +18,7 @@ from fake_server.simulation.keepaway import kick_off, last_episode
 from fake_server.simulation.pitch import HALF_LENGTH, HALF_WIDTH
 from fake_server.simulation.placement import move_player_to, place_ball, recover_all
 from fake_server.simulation.player_types import player_types
+from fake_server.simulation.posts import POST_RADIUS
 from fake_server.simulation.referee import change_play_mode, drop_ball, free_kick
 from fake_server.simulation.state import (
     BEFORE_KICK_OFF,
@@ -52,7 +53,6 @@ EPISODE_END = "training Keepaway 1"
 """What the referee says at the end of every episode."""
 LAST_VERSION_11 = 11
 _GOAL_DEPTH = 2.44
-_POST_RADIUS = 0.06
 
 
 class JoinError(Exception):
@@ -172,7 +172,7 @@ class Game:
     def ball_place(self) -> str:
         """Return where the ball is: in_field, goal_l, goal_r or out_of_field (19.0.0, src/stadium.cpp, ballPosInfo)."""
         size = self.params.number("ball_size")
-        half_goal = 0.5 * (self.params.number("goal_width") + _POST_RADIUS)
+        half_goal = 0.5 * (self.params.number("goal_width") + POST_RADIUS)
         x, y = (float(v) for v in self.match["ball_pos"][0])
         if abs(y) <= half_goal and HALF_LENGTH + size <= abs(x) <= HALF_LENGTH + size + _GOAL_DEPTH:
             return "goal_l" if x < 0.0 else "goal_r"

@@ -23,7 +23,9 @@ from fake_server.digits import (
 from fake_server.simulation.clock import view_angle
 from fake_server.simulation.state import (
     F_GOALIE,
+    F_RED_CARD,
     F_STAND,
+    F_YELLOW_CARD,
     N_COUNTERS,
     N_PLAYERS,
 )
@@ -35,8 +37,6 @@ from rcss_hat.protocol.records import HIGH, LEFT, MAX_PLAYERS, NO_SIDE
 MAX_SHOW = 65536
 """Room for a frame; the longest that a match can print is far shorter."""
 MESSAGE_BOARD, LOG_BOARD = 1, 2
-F_YELLOW_CARD, F_RED_CARD = 0x40000, 0x80000
-"""State flags of cards; see `fake_server.cards`."""
 
 _LENGTH, _ANGLE = 0.0001, 0.001
 _OPEN, _CLOSE, _SPACE, _L, _R = 40, 41, 32, 108, 114

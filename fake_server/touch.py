@@ -11,8 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fake_server.simulation.pitch import GOAL_AREA_LENGTH, HALF_LENGTH, HALF_WIDTH, move_out_of_penalty_area
+from fake_server.simulation.pitch import (
+    GOAL_AREA_LENGTH,
+    GOAL_AREA_WIDTH,
+    HALF_LENGTH,
+    HALF_WIDTH,
+    move_out_of_penalty_area,
+    truncate_to_pitch,
+)
 from fake_server.simulation.placement import place_ball
+from fake_server.simulation.posts import POST_RADIUS
 from fake_server.simulation.referee import change_play_mode, drop_ball
 from fake_server.simulation.state import (
     CORNER_KICK_LEFT,
@@ -38,8 +46,6 @@ from rcss_hat.protocol.records import COLLIDED_BALL, LEFT, NO_SIDE, RIGHT
 if TYPE_CHECKING:
     from fake_server.game import Game
 
-GOAL_AREA_WIDTH = 18.32
-POST_RADIUS = 0.06
 _INDIRECT = (INDIRECT_FREE_KICK_LEFT, INDIRECT_FREE_KICK_RIGHT)
 _SHOOT_OUT = frozenset(
     PLAY_MODE_IDS[f"penalty_{phase}_{side}"] for phase in ("setup", "ready", "taken", "miss", "score") for side in "lr"
@@ -164,8 +170,7 @@ class TouchReferee:
         )
 
     def _beyond_side_line(self, x: float, y: float, toucher: int) -> list[str]:
-        y = math.copysign(HALF_WIDTH, y)
-        x = min(max(x, -HALF_LENGTH), HALF_LENGTH)
+        x, y = truncate_to_pitch(x, y)
         if toucher != NO_SIDE:
             return self._award(_KICK_IN[RIGHT if toucher == LEFT else LEFT], x, y)
         x, y = move_out_of_penalty_area(NO_SIDE, x, y)

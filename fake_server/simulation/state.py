@@ -43,7 +43,7 @@ N_COUNTERS = 12
 # State flags of a player (monitor protocol).
 (F_STAND, F_KICK, F_KICK_FAULT, F_GOALIE, F_CATCH, F_CATCH_FAULT, F_BALL_TO_PLAYER, F_PLAYER_TO_BALL, F_DISCARD, F_LOST,
  F_BALL_COLLIDE, F_PLAYER_COLLIDE, F_TACKLE, F_TACKLE_FAULT) = (1 << bit for bit in range(14))  # fmt: skip
-F_POST_COLLIDE = 0x10000
+F_POST_COLLIDE, F_YELLOW_CARD, F_RED_CARD = 0x10000, 0x40000, 0x80000
 
 # What the referee did in a step (events; bits of match["events"]), in the order in which the server announces it.
 E_PLAY_ON, E_EPISODE_OUT, E_EPISODE_TAKEN, E_DROP_BALL, E_TIME_UP = 1, 2, 4, 8, 16

@@ -243,7 +243,7 @@ def _evidence_row(results: Results, e: Evidence) -> dict[str, str]:
 def _claimed(results: Results, e: Evidence) -> str:
     metric, than = METRIC_WORDS.get(e.test.metric, e.test.metric), e.test.than_metric
     if e.test.teachers:
-        other = f"the demonstrations' mean, {results.experiment.sets.prepare(e.than).label}"
+        other = f"the demonstrations' mean, {results.study.sets[e.than].title}"
     else:
         other = results.label(e.than)
     if than is not None:

@@ -109,8 +109,8 @@ class Results:
         """
         key = condition, measure
         if key not in self._samples:
-            one = self._hours if measure == "hours" else lambda record: _measure(record, measure)
-            values = [one(record) for record in self.trials[condition]]
+            records = self.trials[condition]
+            values = [self._hours(r) if measure == "hours" else _measure(r, measure) for r in records]
             self._samples[key] = np.array(values, dtype=np.float64)
         return self._samples[key]
 

@@ -152,7 +152,7 @@ class SetStore:
         demonstrations = self.demonstrations(spec.name)
         rules, figures = summary_of(demonstrations)
         figures = {"definition": self._definition(spec.name), **figures}
-        return PreparedSet(spec.name, spec.label or spec.name, demonstrations, self._mapped(spec, rules), figures)
+        return PreparedSet(spec.name, spec.title, demonstrations, self._mapped(spec, rules), figures)
 
     def _from_rules(self, spec: SetSpec) -> PreparedSet:
         assert spec.rules is not None
@@ -160,7 +160,7 @@ class SetStore:
         path = self.study.folder / spec.rules
         rules = PAPER_RULES if spec.rules == "paper" else DecisionList.load(path, task.keepers, task.takers)
         figures = {"definition": self._definition(spec.name), "rules": len(rules)}
-        return PreparedSet(spec.name, spec.label or spec.name, None, self._mapped(spec, rules), figures)
+        return PreparedSet(spec.name, spec.title, None, self._mapped(spec, rules), figures)
 
     def _mapped(self, spec: SetSpec, rules: DecisionList) -> DecisionList:
         if spec.map_to is None:
@@ -173,7 +173,7 @@ class SetStore:
         table = self._path(spec.name, "csv")
         return PreparedSet(
             spec.name,
-            spec.label or spec.name,
+            spec.title,
             DemonstrationSet.load(table) if table.exists() else None,
             DecisionList.load(self._path(spec.name, "rules.json")),
             json.loads(self._path(spec.name, "figures.json").read_text(encoding="utf-8")),

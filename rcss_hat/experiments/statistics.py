@@ -160,8 +160,8 @@ def hedges_g(a: ArrayLike, b: ArrayLike) -> float:
     difference, degrees = float(first.mean() - second.mean()), first.size + second.size - 2
     squares = float(((first - first.mean()) ** 2).sum() + ((second - second.mean()) ** 2).sum())
     if _is_constant(first) and _is_constant(second):
-        return math.copysign(math.inf, difference) if first[0] != second[0] else 0.0
-    return difference / math.sqrt(squares / degrees) * (1.0 - 3.0 / (4.0 * degrees - 1.0))
+        return _standardised(float(first[0] - second[0]), 0.0, degrees)
+    return _standardised(difference, math.sqrt(squares / degrees), degrees)
 
 
 def probability_of_improvement(a: ArrayLike, b: ArrayLike) -> float:
@@ -238,17 +238,14 @@ def compare_with_number(values: ArrayLike, number: float, seed: int = 0) -> Comp
         For fewer than two trials.
     """
     sample = _sample(values, 2)
-    difference, constant = float(sample.mean()) - number, _is_constant(sample)
-    if constant:
-        p, low, high = (1.0 if difference == 0.0 else 0.0), difference, difference
-        effect = 0.0 if difference == 0.0 else math.copysign(math.inf, difference)
+    difference, deviation = float(sample.mean()) - number, float(sample.std(ddof=1))
+    if _is_constant(sample):
+        p, low, high, deviation = (1.0 if difference == 0.0 else 0.0), difference, difference, 0.0
     else:
         p = float(stats.ttest_1samp(sample, number).pvalue)
         rng = np.random.default_rng(seed)
         found = stats.bootstrap((sample,), np.mean, n_resamples=10_000, method="BCa", rng=rng).confidence_interval
         low, high = float(found.low) - number, float(found.high) - number
-        degrees = sample.size - 1
-        effect = difference / float(sample.std(ddof=1)) * (1.0 - 3.0 / (4.0 * degrees - 1.0))
     return Comparison(
         n=sample.size,
         n_baseline=1,
@@ -259,7 +256,7 @@ def compare_with_number(values: ArrayLike, number: float, seed: int = 0) -> Comp
         high=high,
         p_student=p,
         p_welch=p,
-        hedges_g=effect,
+        hedges_g=_standardised(difference, deviation, sample.size - 1),
         cliffs_delta=cliffs_delta(sample, [number]),
         p_improvement=probability_of_improvement(sample, [number]),
     )
@@ -297,6 +294,13 @@ def comparison_table(samples: Mapping[str, ArrayLike], baseline: str, seed: int 
     table = pd.DataFrame.from_dict(rows, orient="index", columns=columns)
     table["p_holm"] = holm(table["p_welch"].to_numpy(dtype=np.float64))
     return table
+
+
+def _standardised(difference: float, deviation: float, degrees: int) -> float:
+    """Return a difference in standard deviations, corrected for small samples; infinite without deviation."""
+    if deviation == 0.0:
+        return math.copysign(math.inf, difference) if difference != 0.0 else 0.0
+    return difference / deviation * (1.0 - 3.0 / (4.0 * degrees - 1.0))
 
 
 def _t_test(a: ArrayLike, b: ArrayLike, equal_variances: bool) -> TTest:

@@ -91,6 +91,11 @@ class SetSpec:
     field: str | None = None
     map_to: str | None = None
 
+    @property
+    def title(self) -> str:
+        """What people call it: its label, or its name."""
+        return self.label or self.name
+
     def __post_init__(self) -> None:
         """Check what does not need the other sets."""
         sources = [k for k in ("package", "file", "teacher", "rules") if getattr(self, k) is not None]

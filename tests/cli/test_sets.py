@@ -9,7 +9,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from rcss_hat.cli.main import cli
-from rcss_hat.hat.demonstrations import DemonstrationSet
+from rcss_hat.cli.sets import sets
+from rcss_hat.hat.demonstrations import PICKS, DemonstrationSet
 
 
 def invoke(*arguments: str) -> Result:
@@ -39,6 +40,12 @@ def test_the_best_of_two_teachers_and_what_is_left(tmp_path: Path) -> None:
     assert arff.read_text().count("\n") > chosen.n_decisions
     again = invoke(str(best), "--pick", "first", "--episodes", "1", "--out", str(best))
     assert again.exit_code == 1 and "best.csv exists already" in again.output
+
+
+def test_all_ways_to_pick_are_offered() -> None:
+    """They are written out for the command, so that its help needs no compiler."""
+    pick = next(option for option in sets.params if option.name == "pick")
+    assert tuple(pick.type.choices) == PICKS  # type: ignore[attr-defined]
 
 
 def test_random_picks_are_decided_by_the_seed(tmp_path: Path) -> None:

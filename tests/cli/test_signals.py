@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from rcss_hat.team.servers import free_ports
+
 COMMAND = [sys.executable, "-m", "rcss_hat"]
 
 
@@ -48,7 +50,7 @@ def test_a_terminated_recording_is_whole(tmp_path: Path, ignore: bool) -> None:
 
 
 def test_a_terminated_server_command_takes_its_server_along() -> None:
-    process, line = started("server", "--fake", "--seed", "1", "--port", str(_free()), ready="answers on port")
+    process, line = started("server", "--fake", "--seed", "1", "--port", str(free_ports()), ready="answers on port")
     port = int(line.split()[-1])
     process.send_signal(signal.SIGTERM)
     assert process.wait(20) == 0
@@ -56,9 +58,3 @@ def test_a_terminated_server_command_takes_its_server_along() -> None:
         again.bind(("127.0.0.1", port))  # nobody holds it any more
     with pytest.raises(ProcessLookupError):
         os.kill(process.pid, 0)
-
-
-def _free() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
