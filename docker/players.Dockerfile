@@ -8,12 +8,12 @@ WORKDIR /home/rcss/rcss-hat
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 COPY rcss_hat rcss_hat
 COPY fake_server fake_server
-RUN pip install --no-cache-dir --constraint constraints.txt .
-
+# The kernels are compiled once, for whoever runs them on whatever processor since about 2015: any user, also where nothing
+# can be written.
+RUN pip install --no-cache-dir --constraint constraints.txt ".[report,web]" \
+ && rcss-hat compile --for-all
 USER 1000
 WORKDIR /home/rcss
-# Compile the kernels once, so that players answer from their first cycle on.
-RUN rcss-hat play --on fake --keepers hand --episodes 1 --seed 1
 
 ENTRYPOINT ["rcss-hat"]
 CMD ["--help"]

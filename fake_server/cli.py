@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from fake_server.options import PROGRAM, USAGE, HelpRequested, UsageError, parse_options, without_effect
@@ -33,24 +36,40 @@ def run(arguments: Sequence[str]) -> int:
 
 def _serve(arguments: Sequence[str]) -> int:
     options = parse_options(arguments)
-    from fake_server.server import Server, stop_on_signals
+    from fake_server.running import run as run_server
+    from fake_server.running import stopped_by_signals
+    from fake_server.server import Server
     from fake_server.warm_up import warm_up
 
     if not options.quiet:
         for name in without_effect(options):
             print(f"{PROGRAM}: {name} has no effect here", file=sys.stderr)
-    warm_up(options.quiet)
+    with _ending_at_once():
+        warm_up(options.quiet)
     server = Server(options)
-    stop_on_signals(server)
-    server.start()
-    server.say(f"{PROGRAM}: a stand-in for rcssserver-{options.params.profile}\n")
-    server.say(f"Simulator Random Seed: {server.seed}")
-    server.say(
-        f"Listening on {options.bind}: players and monitors {server.port}, trainer {server.coach_port}, "
-        f"online coaches {server.olcoach_port}"
-    )
-    server.say("\nHit CTRL-C to exit")
-    return server.run()
+    with stopped_by_signals(server):
+        server.start()
+        server.say(f"{PROGRAM}: a stand-in for rcssserver-{options.params.profile}\n")
+        server.say(f"Simulator Random Seed: {server.seed}")
+        server.say(
+            f"Listening on {options.bind}: players and monitors {server.port}, trainer {server.coach_port}, "
+            f"online coaches {server.olcoach_port}"
+        )
+        server.say("\nHit CTRL-C to exit")
+        return run_server(server)
+
+
+@contextlib.contextmanager
+def _ending_at_once() -> Iterator[None]:
+    """Let Ctrl-C end the program without an exception, which the compiler of kernels would lose or print."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _replay(arguments: Sequence[str]) -> int:

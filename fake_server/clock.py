@@ -11,18 +11,15 @@ from __future__ import annotations
 import sys
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fake_server.options import PATIENCE
-from fake_server.simulation import clock
-from fake_server.simulation.state import N_PLAYERS
-
-if TYPE_CHECKING:
-    from fake_server.player_client import PlayerClient
-    from fake_server.server import Server
-    from fake_server.trainer import TrainerClient
+from fake_server.player_client import PlayerClient
+from fake_server.server import Server
+from fake_server.trainer import TrainerClient
+from rcss_hat.simulation import clock
+from rcss_hat.simulation.state import N_PLAYERS
 
 _MONITOR_CYCLES = 32
 
@@ -73,10 +70,10 @@ class SynchClock:
         """Simulate a step, tell everybody, and wait for their answers."""
         server = self._server
         match, params = server.game.match, server.game.kernel
-        server.hold()
+        server.clients.hold()
         server.step()
         clock.sees_before_think(match, params, self._due)
-        server.send_sees(self._due)
+        server.audience.send_sees(self._due)
         server.kicked_off = False
         if server.running:
             self._think()
@@ -84,16 +81,16 @@ class SynchClock:
             match["clock"] = 0  # the first cycle of a match is the first of the clock's period
         else:
             clock.sees_after_think(match, params, self._due)
-            server.send_sees(self._due)
+            server.audience.send_sees(self._due)
 
     def _pause(self) -> None:
         server, timing = self._server, self._timing
         if server.game.time <= 0:
-            server.release()
+            server.clients.release()
             give_up = time.monotonic() + timing.pause
             while server.running and not server.about_to_start and (left := give_up - time.monotonic()) > 0.0:
                 server.read_others(left)
-        elif server.monitors:
+        elif server.clients.monitors:
             self._watched_cycles += 1
             if self._watched_cycles % _MONITOR_CYCLES == 0:
                 time.sleep(timing.monitor_pause)
@@ -103,13 +100,13 @@ class SynchClock:
         server = self._server
         self._pause()
         if not server.about_to_start:  # who hears play_on before a think would act in cycle 0, others would not
-            self._wait_for(server.start_thinking())
+            self._wait_for(server.clients.start_thinking())
             server.carry_out()
         server.kick_off_if_wanted()
 
     def _wait_for(self, thinkers: list[PlayerClient | TrainerClient]) -> None:
         server = self._server
-        server.release()
+        server.clients.release()
         give_up = time.monotonic() + self._timing.patience
         left = self._timing.patience if thinkers else 0.0
         while server.running:
@@ -163,7 +160,7 @@ class RealTimeClock:
             server.read_all(0.0)
             server.carry_out()
             if clock.tick(match, params, self._due) & clock.STEP_DUE:
-                server.hold()
+                server.clients.hold()
                 server.step()
-            server.send_sees(self._due)
-            server.release()
+            server.audience.send_sees(self._due)
+            server.clients.release()

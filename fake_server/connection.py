@@ -9,8 +9,8 @@ from __future__ import annotations
 import socket
 import zlib
 
-from fake_server.digits import Buffer
-from fake_server.text import MAX_MESSAGE
+from rcss_hat.protocol.commands import MAX_DATAGRAM
+from rcss_hat.protocol.digits import Buffer
 
 Address = tuple[str, int]
 
@@ -88,7 +88,7 @@ class Connection:
         messages: list[bytes] = []
         while self.connected:
             try:
-                data = self.socket.recv(MAX_MESSAGE)
+                data = self.socket.recv(MAX_DATAGRAM)
             except BlockingIOError:
                 break
             except OSError:
@@ -110,9 +110,16 @@ class Connection:
         self.socket.close()
 
 
+class Nobody(Connection):
+    """The connection of who has none: what is sent is lost."""
+
+    def __init__(self) -> None:
+        self.address, self.connected = ("", 0), False
+
+
 def _decompressed(data: bytes) -> bytes:
     """Return the content of a compressed datagram, as far as it fits into one; empty when it is none."""
     try:
-        return zlib.decompressobj().decompress(data, MAX_MESSAGE)
+        return zlib.decompressobj().decompress(data, MAX_DATAGRAM)
     except zlib.error:
         return b""

@@ -6,36 +6,35 @@ No sockets and no text of messages: a server, or a test, drives it.
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.cards import Cards
+from fake_server.announcements import announcements
 from fake_server.options import ServerOptions
-from fake_server.simulation.cycle import step
-from fake_server.simulation.keepaway import kick_off, last_episode
-from fake_server.simulation.pitch import HALF_LENGTH, HALF_WIDTH
-from fake_server.simulation.placement import move_player_to, place_ball, recover_all
-from fake_server.simulation.player_types import player_types
-from fake_server.simulation.posts import POST_RADIUS
-from fake_server.simulation.referee import change_play_mode, drop_ball, free_kick
-from fake_server.simulation.state import (
+from fake_server.soccer.cards import Cards
+from fake_server.soccer.kick_off import LineUp, kick_off, team_size
+from fake_server.soccer.referee import free_kick
+from fake_server.soccer.step import step
+from fake_server.soccer.touch import SHOOT_OUT, TouchReferee
+from fake_server.text import FIRST_VERSION, LAST_VERSION
+from rcss_hat.protocol.play_modes import PLAY_MODES
+from rcss_hat.protocol.records import LEFT, MAX_PLAYERS, RIGHT
+from rcss_hat.simulation import keepaway
+from rcss_hat.simulation.pitch import HALF_LENGTH, HALF_WIDTH
+from rcss_hat.simulation.placement import move_player_to, place_ball, recover_all
+from rcss_hat.simulation.player_types import player_types
+from rcss_hat.simulation.posts import POST_RADIUS
+from rcss_hat.simulation.referee import STOPPED, change_play_mode, drop_ball
+from rcss_hat.simulation.state import (
     BEFORE_KICK_OFF,
-    E_CAUGHT,
-    E_DROP_BALL,
-    E_EPISODE_OUT,
-    E_EPISODE_TAKEN,
-    E_HALF_TIME,
-    E_PLAY_ON,
-    E_TIME_EXTENDED,
-    E_TIME_UP,
-    E_WITHOUT_A_TEAM,
+    EARS_AT_FIRST,
     FREE_KICK_LEFT,
     FREE_KICK_RIGHT,
     GOAL_LEFT,
     GOAL_RIGHT,
-    PHYSICS,
     PLAY_ON,
     connect,
     disconnect,
@@ -44,13 +43,8 @@ from fake_server.simulation.state import (
     recover,
     streams,
 )
-from fake_server.text import FIRST_VERSION, LAST_VERSION
-from fake_server.touch import TouchReferee
-from rcss_hat.protocol.play_modes import PLAY_MODES
-from rcss_hat.protocol.records import LEFT, MAX_PLAYERS, RIGHT
+from rcss_hat.simulation.world import World
 
-EPISODE_END = "training Keepaway 1"
-"""What the referee says at the end of every episode."""
 LAST_VERSION_11 = 11
 _GOAL_DEPTH = 2.44
 
@@ -76,9 +70,14 @@ class Game:
     types : ndarray of PLAYER_TYPE
     match : ndarray of MATCH, shape (1,)
     streams : ndarray of uint64, shape (3, 4)
+    world : World
+        These four arrays.
     names : list of str
         Of the left and the right team, empty while there is none.
     cards : Cards
+    line_up : LineUp
+    announced_at : tuple of int
+        `clock` when the referee announced what the last step brought.
     touch : TouchReferee or None
         Judges goals and the lines; None in Keepaway and without referees.
     """
@@ -100,12 +99,14 @@ class Game:
         self.match = new_match(self.kernel)
         self.match["score"][0] = [int(self.params.number(f"start_goal_{side}")) for side in "lr"]
         self.streams = streams(seed)
+        self.world = World(self.match, self.kernel, self.types, self.streams)
         self._fresh_streams = self.streams.copy()
         self.cards = Cards(self.match)
         self.names = ["", ""]
-        self._sizes = [0, 0]
-        self._substituted: set[int] = set()
-        self.touch = TouchReferee(self) if self.has_referees and not self.kernel["keepaway"][0] else None
+        self.line_up = LineUp(self.params, self.player_params, self.world)
+        self.announced_at = self.clock
+        plays_soccer = self.has_referees and not self.kernel["keepaway"][0]
+        self.touch = TouchReferee(self.params, self.world) if plays_soccer else None
 
     # --- what it is ---------------------------------------------------------------------------------------------
     @property
@@ -117,6 +118,19 @@ class Game:
     def mode(self) -> int:
         """Play mode."""
         return int(self.match["mode"][0])
+
+    @property
+    def clock(self) -> tuple[int, int]:
+        """Cycle, and steps spent in the current stoppage."""
+        return self.time, int(self.match["stopped"][0])
+
+    @contextmanager
+    def as_of(self, clock: tuple[int, int]) -> Iterator[None]:
+        """Let the `clock` show another time, for all that is told meanwhile."""
+        now = self.clock
+        self.match["time"], self.match["stopped"] = clock
+        yield
+        self.match["time"], self.match["stopped"] = now
 
     @property
     def waits_for_kick_off(self) -> bool:
@@ -157,17 +171,17 @@ class Game:
         """Uniform number of a player."""
         return i % MAX_PLAYERS + 1
 
+    def name_for_opponents(self, team: int) -> str:
+        """Return what the left (0) or right (1) team is called in what its opponents see."""
+        return str(self.params["fixed_teamname_r" if team else "fixed_teamname_l"]) or self.names[team]
+
     def find_team(self, name: str) -> int | None:
         """Return 0 for the left team's name, 1 for the right one's, None for others."""
         return self.names.index(name) if name and name in self.names else None
 
     def team_size(self, team: int) -> int:
         """Number of players who ever joined the left (0) or right (1) team."""
-        return self._sizes[team]
-
-    def visible_name(self, i: int) -> str:
-        """Return a player as trainers see him: ``p "TEAM" UNUM``, with ``goalie`` if he is."""
-        return f'p "{self.team_name(i)}" {self.unum(i)}{" goalie" if self.match["goalie"][0, i] else ""}'
+        return team_size(self.match, team)
 
     def ball_place(self) -> str:
         """Return where the ball is: in_field, goal_l, goal_r or out_of_field (19.0.0, src/stadium.cpp, ballPosInfo)."""
@@ -201,12 +215,11 @@ class Game:
             self.names[self.names.index("")] = team
         k = self.names.index(team)
         first = k * MAX_PLAYERS
-        size = self._sizes[k]
+        size = self.team_size(k)
         taken = bool(self.match["goalie"][0, first : first + size].any())
         if size >= MAX_PLAYERS or (goalie and taken) or not self.knows_version(version):
             invalid = "invalid" if self.params.profile == "11.1" else "illegal"
             raise JoinError(f"(error no_more_player_or_goalie_or_{invalid}_client_version)")
-        self._sizes[k] += 1
         connect(self.match, self.kernel, first + size, int(version), goalie)
         return first + size
 
@@ -230,16 +243,23 @@ class Game:
         if not self.knows_version(version):  # of a number that never connected
             raise JoinError("(error illegal_client_version)")
         connect(self.match, self.kernel, i, version, bool(self.match["goalie"][0, i]))
+        self.match["ear_off"][0, i] = EARS_AT_FIRST
+        self.cards.returned(i)
         return i
 
     def leave(self, i: int) -> None:
         """Take a player out."""
         disconnect(self.match, i)
 
+    @property
+    def versions(self) -> range:
+        """Protocol versions of players and trainers that are served."""
+        last = LAST_VERSION_11 if self.params.profile == "11.1" else LAST_VERSION
+        return range(FIRST_VERSION, last + 1)
+
     def knows_version(self, version: float) -> bool:
         """Tell whether players of a protocol version are served."""
-        last = LAST_VERSION_11 if self.params.profile == "11.1" else LAST_VERSION
-        return math.isfinite(version) and FIRST_VERSION <= int(version) <= last
+        return math.isfinite(version) and int(version) in self.versions
 
     # --- what happens ---------------------------------------------------------------------------------------------
     def settle_randomness(self) -> None:
@@ -251,43 +271,55 @@ class Game:
             self.streams[:] = self._fresh_streams
 
     def step(self) -> list[str]:
-        """Simulate a step; returns what the referee announces."""
+        """Simulate a step; returns what the referee announces, which is as of `announced_at`.
+
+        The end of a stoppage is announced before the time goes on.
+        """
         self.settle_randomness()
-        before, time = self.mode, self.time
-        step(self.match, self.kernel, self.types, self.streams)
+        before, (time, stopped) = self.mode, self.clock
+        collided = self.match["collided"].copy()
+        step(self.world, self.has_referees)
+        self.match["collided"] |= collided  # what commands have run into since everybody was told
         self.cards.mark()
-        announced = self._announcements(before)
+        self.announced_at = (time, stopped + 1) if STOPPED[before] else self.clock
+        announced = announcements(self.match, before)
         return announced if self.touch is None else announced + self.touch.look(time)
+
+    def forget_collisions(self) -> None:
+        """Begin anew to note who runs into what, once everybody was told."""
+        self.match["collided"] = 0
 
     def kick_off(self) -> list[str]:
         """Start the play, as ``(start)`` and ``(dispstart)`` do; returns what the referee announces."""
-        half = int(self.params.number("half_time") * 1000 / self.params.number("simulator_step"))
-        if not self.kernel["keepaway"][0] and half > 0 and self.time % half != 0:
-            return []
+        if not self.kernel["keepaway"][0]:
+            return self.change_mode(PLAY_ON) if self.params["keepaway"] else kick_off(self.params, self.world)
         self.settle_randomness()
         before = self.mode
         self.match["events"] = 0
-        kick_off(self.match, self.kernel, self.streams)
-        return self._announcements(before)
+        keepaway.kick_off(self.world)
+        return announcements(self.match, before)
 
     def change_mode(self, mode: int) -> list[str]:
         """Change the play mode, as a trainer does; returns what the referee announces."""
         if mode == PLAY_ON and self.kernel["keepaway"][0]:
             return self.kick_off()
-        change_play_mode(self.match, self.kernel, mode, self.streams[PHYSICS])
+        change_play_mode(self.world, mode)
         self.match["events"] = 0
+        if self.touch is not None:
+            self.touch.notice_mode()
         return [] if mode in (GOAL_LEFT, GOAL_RIGHT) else [PLAY_MODES[mode]]
 
     def call_foul(self, side: int, x: float, y: float) -> list[str]:
-        """Drop the ball at a place (``side`` 0), or give side 1 (left) or -1 (right) a free kick there."""
-        rng = self.streams[PHYSICS]
+        """Drop the ball at a place (``side`` 0), or give side 1 (left) or another (right) a free kick there."""
+        if self.mode in SHOOT_OUT:
+            return []
         if side == 0:
-            drop_ball(self.match, self.kernel, x, y, rng)
+            drop_ball(self.world, x, y)
             self.match["events"] = 0
             return ["drop_ball", "play_on"]
-        free_kick(self.match, self.kernel, LEFT if side > 0 else RIGHT, x, y, rng)
+        free_kick(self.world, LEFT if side == 1 else RIGHT, x, y)
         self.match["events"] = 0
-        return ["foul_r" if side > 0 else "foul_l", self.mode_name]
+        return ["foul_l" if side == -1 else "foul_r", self.mode_name]
 
     def move_ball(self, x: float, y: float, velocity: tuple[float, float]) -> None:
         """Put the ball somewhere, as a trainer does."""
@@ -302,48 +334,16 @@ class Game:
             self.match["body"][0, i] = self.match["body_pending"][0, i] = math.radians(angle)
         if velocity is not None:
             self.match["vel"][0, i] = velocity
-        move_player_to(self.match, self.kernel, i, x, y, self.streams[PHYSICS])
+        move_player_to(self.world, i, x, y)
 
     def recover(self) -> None:
         """Give everybody full stamina."""
         recover_all(self.match, self.kernel)
 
-    def types_at_kick_off(self) -> list[tuple[int, int]]:
-        """Return who gets which type at the first kick-off, as of each type only ``player::pt_max`` may play.
-
-        Those whom nobody gave a type get the first one left, goalies first; not in Keepaway (19.0.0, src/team.cpp,
-        assignPlayerTypes).
-        """
-        params = self.player_params
-        if self.params["keepaway"] or self.params.profile == "11.1" or self.time > 0:
-            return []
-        if params["allow_mult_default_type"]:
-            return []
-        most = int(params["pt_max"])
-        return [change for team in (0, 1) for change in self._types_of(team, most)]
-
-    def _types_of(self, team: int, most: int) -> list[tuple[int, int]]:
-        first = team * MAX_PLAYERS
-        players = sorted(range(first, first + self._sizes[team]), key=lambda i: not self.match["goalie"][0, i])
-        current = self.match["type"][0].tolist()
-        used = Counter(current[i] for i in players if i in self._substituted)
-        changes = []
-        for i in players:
-            if i in self._substituted and used[current[i]] <= most:
-                continue
-            new = next((kind for kind in range(len(self.types)) if used[kind] < most), None)
-            if new is None:
-                continue
-            used[new] += 1
-            if i in self._substituted:
-                used[current[i]] -= 1
-            if new != current[i]:
-                changes.append((i, new))
-        return changes
-
     def substitute(self, i: int, player_type: int) -> None:
         """Give a player another type."""
-        self._substituted.add(i)
+        self.line_up.substituted(i)
+        self.cards.substituted(i)
         self.match["type"][0, i] = player_type
         self.match["size"][0, i] = self.types["player_size"][player_type]
         self.match["effort_max"][0, i] = self.types["effort_max"][player_type]
@@ -351,7 +351,7 @@ class Game:
 
     def last_episode(self) -> tuple[int, int, int, bool]:
         """Return number, start, end and whether it was taken, of the episode that ended last."""
-        record = last_episode(self.match)[0]
+        record = keepaway.last_episode(self.match)[0]
         return int(record["episode"]), int(record["start"]), int(record["end"]), bool(record["taken"])
 
     def player_index(self, side: int, unum: int) -> int | None:
@@ -364,26 +364,3 @@ class Game:
         """Return the indices of all players in the game."""
         indices: NDArray[np.uint8] = self.match["players"][0, : self.match["n_players"][0]]
         return indices
-
-    def _announcements(self, before: int) -> list[str]:
-        """Return what the referee says about the events of the match, in the server's order."""
-        events = int(self.match["events"][0])
-        after = self.mode
-        said = []
-        if events & E_HALF_TIME:
-            said.append("half_time")
-        if events & E_TIME_EXTENDED:
-            said.append("time_extended")
-        if events & E_TIME_UP:
-            said.append("time_up_without_a_team" if events & E_WITHOUT_A_TEAM else "time_up")
-        if events & E_CAUGHT:
-            said.append("goalie_catch_ball_l" if after == FREE_KICK_LEFT else "goalie_catch_ball_r")
-        if events & E_DROP_BALL:
-            said.append("drop_ball")
-        if events & E_PLAY_ON:
-            said.append("play_on")
-        elif after != before and after not in (GOAL_LEFT, GOAL_RIGHT):
-            said.append(PLAY_MODES[after])
-        if events & (E_EPISODE_OUT | E_EPISODE_TAKEN):
-            said.append(EPISODE_END)
-        return said

@@ -1,4 +1,4 @@
-r"""The server's logs: Keepaway episodes (.kwy), the game (.rcg, text versions 4 to 6) and what clients sent (.rcl).
+r"""The server's logs: Keepaway episodes (.kwy), the game (.rcg) and what clients sent (.rcl).
 
 While a match runs, a log is called ``incomplete.SUFFIX``; at the end it gets its name from date, teams and score. With
 ``*_log_fixed`` it has its fixed name from the start (19.0.0, src/logger.cpp).
@@ -16,16 +16,11 @@ from typing import IO, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.digits import ascii_bytes
-from fake_server.show import LOG_BOARD, MAX_SHOW, MESSAGE_BOARD, message, write_show
-from fake_server.simulation.state import BEFORE_KICK_OFF, TIME_OVER
+from fake_server.game_log import form_of
+from fake_server.show import LOG_BOARD, MESSAGE_BOARD
+from rcss_hat.protocol.keepaway_log import log_head, log_line
 from rcss_hat.protocol.params import ServerParams
-from rcss_hat.protocol.play_modes import PLAY_MODES
-
-OLDEST_GAME_LOG, NEWEST_GAME_LOG = 4, 6
-"""Versions of the game log that can be written; for older, binary ones the oldest of these is written."""
-
-_NO_HEAD = ascii_bytes("")
+from rcss_hat.simulation.state import BEFORE_KICK_OFF, TIME_OVER
 
 
 class LogError(OSError):
@@ -87,7 +82,7 @@ class Logs:
     ----------
     params : ServerParams
     head : iterable of str
-        The parameter messages, with which a game log begins.
+        The parameter messages, with which a game log begins: in JSON when the log is.
     start : float
         When the server started, seconds since the epoch.
 
@@ -102,18 +97,15 @@ class Logs:
         self._start = time.localtime(start)
         self._record_messages = bool(params["record_messages"])
         self._size = (float(params.number("keepaway_length")), float(params.number("keepaway_width")))
-        self._version = min(max(int(params.number("game_log_version")), OLDEST_GAME_LOG), NEWEST_GAME_LOG)
+        self._form = form_of(int(params.number("game_log_version")), params.profile)
         self._mode = 0
         self._teams: tuple[str, str, int, int] | None = None
-        self._buffer = np.zeros(MAX_SHOW, dtype=np.uint8)
         self._game = _Log(params, "game", ".rcg") if params["game_logging"] else None
         self._text = _Log(params, "text", ".rcl") if params["text_logging"] else None
         wanted = params["keepaway"] and params["keepaway_logging"]
         self._keepaway = _Log(params, "keepaway", ".kwy") if wanted else None
         if self._game:
-            self._game.line(f"ULG{self._version}")
-            for text in head:
-                self._game.line(text)
+            self._game.write(self._form.begin(head, start))
             self._game.flush()
 
     @property
@@ -131,19 +123,13 @@ class Logs:
         """Write what stands above the episodes."""
         if not self._keepaway:
             return
-        length, width = self._size
-        self._keepaway.line(
-            f"# Keepers: {keepers}\n# Takers:  {takers}\n# Region:  {length:g} x {width:g}\n#\n"
-            "# Description of Fields:\n# 1) Episode number\n# 2) Start time in simulator steps (100ms)\n"
-            "# 3) End time in simulator steps (100ms)\n# 4) Duration in simulator steps (100ms)\n"
-            "# 5) (o)ut of bounds / (t)aken away\n#"
-        )
+        self._keepaway.write(log_head(keepers, takers, *self._size).encode())
         self._keepaway.flush()
 
     def episode(self, number: int, start: int, end: int, taken: bool) -> None:
         """Write a finished episode."""
         if self._keepaway:
-            self._keepaway.line(f"{number}\t{start}\t{end}\t{end - start}\t{'t' if taken else 'o'}")
+            self._keepaway.write(log_line(number, start, end, "t" if taken else "o").encode())
             self._keepaway.flush()
 
     # --- text -----------------------------------------------------------------------------------------------------
@@ -175,7 +161,7 @@ class Logs:
         mode = match["mode"][0]
         if not (self._game and self._record_messages) or mode == TIME_OVER or (playing and mode == BEFORE_KICK_OFF):
             return
-        self._game.line(message(int(match["time"][0]), board, text.replace("\n", " ")))
+        self._game.write(self._form.message(match, board, text))
 
     # --- game -----------------------------------------------------------------------------------------------------
     def show(self, match: NDArray[np.void], params: NDArray[np.void], teams: tuple[str, str]) -> None:
@@ -185,17 +171,14 @@ class Logs:
         mode = int(match["mode"][0])
         if not self._game or mode == BEFORE_KICK_OFF or (mode == TIME_OVER and self._mode == TIME_OVER):
             return
-        now = int(match["time"][0])
         if mode != self._mode:
             self._mode = mode
-            self._game.line(f"(playmode {now} {PLAY_MODES[mode]})")
+            self._game.write(self._form.play_mode(match))
         result = (*teams, int(match["score"][0, 0]), int(match["score"][0, 1]))
         if result != self._teams and result != ("", "", 0, 0):
             self._teams = result
-            self._game.line(f"(team {now} {teams[0] or 'null'} {teams[1] or 'null'} {result[2]} {result[3]})")
-        size = write_show(match, params, self._version - 1, _NO_HEAD, self._buffer)
-        self._buffer[size] = 10
-        self._game.write(self._buffer[: size + 1].data)
+            self._game.write(self._form.team(match, teams))
+        self._game.write(self._form.show(match, params))
         self._game.flush()
 
     def close(self, match: NDArray[np.void], teams: tuple[str, str]) -> None:
@@ -205,9 +188,8 @@ class Logs:
         result = "-vs-".join(named)
         if self._game:
             stamp = time.strftime("%Y%m%d%H%M", self._start)
-            now = int(match["time"][0])
-            self._game.line(message(now, MESSAGE_BOARD, f"(result {stamp} {result})"))
-            self._game.line(f"(team {now} {teams[0] or 'null'} {teams[1] or 'null'} {score[0]} {score[1]})")
+            self._game.write(self._form.message(match, MESSAGE_BOARD, f"(result {stamp} {result})"))
+            self._game.write(self._form.team(match, teams) + self._form.end())
         date = time.strftime(self._date_format, self._start)
         for log in (self._text, self._game, self._keepaway):
             if log:

@@ -6,20 +6,22 @@ of different versions do not get each other's.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 
-from fake_server import binary, show
+from fake_server import show
 from fake_server.coaching import coach
 from fake_server.connection import Connection
-from fake_server.digits import ascii_bytes
 from fake_server.game import Game
 from fake_server.param_text import EVERYTHING, all_params, json_params
+from fake_server.reactions import Card, Discard, Placement, Reactions, Reply
 from rcss_hat.protocol import commands as said
-
-if TYPE_CHECKING:
-    from fake_server.server import Server
+from rcss_hat.protocol import messages
+from rcss_hat.protocol.digits import ascii_bytes
+from rcss_hat.protocol.messages import binary
+from rcss_hat.protocol.messages.show import MAX_SHOW
+from rcss_hat.protocol.messages.show_json import json_message
 
 JSON = -1
 VERSIONS = (JSON, 1, 2, 3, 4, 5)
@@ -30,7 +32,7 @@ class Frames:
 
     def __init__(self, game: Game) -> None:
         self._game = game
-        self._buffer = np.zeros(show.MAX_SHOW, dtype=np.uint8)
+        self._buffer = np.zeros(MAX_SHOW, dtype=np.uint8)
         self._made: dict[int, bytes] = {}
 
     def new_step(self) -> None:
@@ -48,9 +50,9 @@ class Frames:
         if version == JSON:
             return show.json_show(match, game.kernel, game.mode_name, game.teams).encode("latin-1") + b"\0"
         if version == 1:
-            return binary.show_1(match, game.teams)
+            return show.show_1(match, game.kernel, game.teams)
         if version == 2:
-            return binary.show_2(match, game.kernel, game.teams)
+            return show.show_2(match, game.kernel, game.teams)
         head = ascii_bytes(show.monitor_head(game.mode, game.teams, game.score))
         size = show.write_show(match, game.kernel, version, head, self._buffer)
         return self._buffer[:size].tobytes() + b"\0"
@@ -61,89 +63,69 @@ class MonitorClient:
 
     Parameters
     ----------
-    server : Server
+    game : Game
     connection : Connection
     version : int
         -1 (JSON), 1 and 2 (binary), 3 to 5 (text).
     """
 
-    def __init__(self, server: Server, connection: Connection, version: int) -> None:
-        self.server, self.connection, self.version = server, connection, version
-        self.game = server.game
+    who = ""
+    """Name in logs: what monitors send is not logged."""
 
-    def welcome(self) -> None:
-        """Send the parameters."""
+    def __init__(self, game: Game, connection: Connection, version: int) -> None:
+        self.game, self.connection, self.version = game, connection, version
+
+    def welcome(self) -> Sequence[str | bytes]:
+        """Return the parameters."""
         game = self.game
         if self.version == 2:
-            self.connection.send_bytes(binary.server_params(game.params))
             old = game.params.profile == "11.1"
-            self.connection.send_bytes(binary.player_params(game.player_params, old))
-            for number in range(len(game.types)):
-                self.connection.send_bytes(binary.player_type(game.types, number, old))
-        elif self.version >= 3:
-            for message in all_params(game.params, game.player_params, game.types, EVERYTHING):
-                self.connection.send(message)
-        elif self.version == JSON:
-            for message in json_params(game.params, game.player_params, game.types):
-                self.connection.send(message)
+            types = [binary.player_type(game.types, number, old) for number in range(len(game.types))]
+            return [binary.server_params(game.params), binary.player_params(game.player_params, old), *types]
+        if self.version >= 3:
+            return all_params(game.params, game.player_params, game.types, EVERYTHING)
+        return json_params(game.params, game.player_params, game.types) if self.version == JSON else ()
 
     def message(self, board: int, message: str) -> None:
         """Send a ``(msg ...)``."""
         if self.version == JSON:
-            self.connection.send(show.json_message(self.game.match, board, message))
+            self.connection.send(json_message(self.game.match, board, message))
         elif self.version <= 2:
             self.connection.send_bytes(binary.message(self.version, board, message))
         else:
-            self.connection.send(show.message(self.game.time, board, message))
+            self.connection.send(messages.Msg(time=self.game.time, board=board, text=message).to_text())
 
-    def _reply(self, message: str) -> None:
+    def reply(self, message: str) -> None:
+        """Answer a datagram."""
         self.message(show.MESSAGE_BOARD, message)
 
-    def read(self) -> None:
-        """Carry out all commands that have arrived."""
-        for data in self.connection.receive():
-            self.take(data)
+    def take(self, data: bytes) -> Reactions:
+        """React to the one command of a datagram."""
+        if data.endswith(b"\0") or self.version == 1:
+            return self._react(data)
+        return Reply("(warning message_not_null_terminated)"), *self._react(data)
 
-    def take(self, data: bytes) -> None:
-        """Carry out the one command of a datagram."""
-        if not data.endswith(b"\0") and self.version != 1:
-            self._reply("(warning message_not_null_terminated)")
+    def _react(self, data: bytes) -> Reactions:
         coach_mode = bool(self.game.params["coach"]) or bool(self.game.params["coach_w_referee"])
         command = said.parse_monitor_command(data, coach_mode)
         if isinstance(command, said.Refusal):
-            self._reply(command.text)
-        elif isinstance(command, said.Compression):
-            self._reply(f"(ok compression {command.level})")
-            self.connection.compress(command.level)
-        elif not self._carry_out(command):
-            self._reply(coach(self.server, command) or "(error illegal_command_form)")
+            return (Reply(command.text),)
+        if isinstance(command, said.Compression):
+            return Reply(f"(ok compression {command.level})"), command
+        if isinstance(command, said.DispStart | said.DispBye | said.DispFoul):
+            return (command,)
+        old = self.game.params.profile == "11.1"
+        if isinstance(command, said.DispPlayer | said.DispDiscard) or (isinstance(command, said.DispCard) and not old):
+            return self._treat_player(command)
+        return coach(self.game, command) or (Reply("(error illegal_command_form)"),)
 
-    def _carry_out(self, command: said.Command) -> bool:
-        """Carry out what only monitors command; these commands are not answered."""
-        server, game = self.server, self.game
-        if isinstance(command, said.DispStart):
-            server.want_kick_off()
-        elif isinstance(command, said.DispBye):
-            self.connection.close()
-        elif isinstance(command, said.DispFoul):
-            server.announce(game.call_foul(command.side, command.x, command.y))
-        elif isinstance(command, said.DispCard) and game.params.profile == "11.1":
-            return False
-        elif isinstance(command, said.DispPlayer | said.DispDiscard | said.DispCard):
-            i = game.player_index(command.side, command.unum)
-            if i is not None:
-                self._treat_player(i, command)
-        else:
-            return False
-        return True
-
-    def _treat_player(self, i: int, command: said.DispPlayer | said.DispDiscard | said.DispCard) -> None:
+    def _treat_player(self, command: said.DispPlayer | said.DispDiscard | said.DispCard) -> Reactions:
         """Place a player, take him out, or show him a card; the latter two only to players in the game."""
+        i = self.game.player_index(command.side, command.unum)
+        if i is None:
+            return ()
         if isinstance(command, said.DispPlayer):
-            self.game.move_player(i, command.x, command.y, float(command.angle), (0.0, 0.0))
-        elif not self.game.enabled(i):
-            return
-        elif isinstance(command, said.DispDiscard):
-            self.server.discard(i)
-        else:
-            self.server.show_card(i, command.card)
+            return (Placement(i, command.x, command.y, float(command.angle), (0.0, 0.0)),)
+        if not self.game.enabled(i):
+            return ()
+        return (Discard(i),) if isinstance(command, said.DispDiscard) else (Card(i, command.card),)

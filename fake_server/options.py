@@ -1,7 +1,8 @@
-"""The command line: ``server::name=value`` and ``player::name=value`` as rcssserver reads them, and own options.
+"""The command line: ``server::name = value`` and ``player::name = value`` as rcssserver reads them, and own options.
 
-Values: booleans are 0, 1, true, false, on, off, yes or no, in any case; texts may stand in quotes. ``--`` in front of a
-parameter is allowed. Configuration files are not read.
+Values: booleans are 0, 1, true, false, on, off, yes or no, in any case; texts may stand in quotes. A value that the
+original would cast, such as 1.5 for an integer, is refused. Of configuration files, only those named by ``include`` are
+read.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
+from fake_server.effects import NO_EFFECT, NOT_DONE_HERE, SAVERS
 from fake_server.player_param import BY_NAME as PLAYER_BY_NAME
 from fake_server.player_param import PlayerParams
+from fake_server.server_line import Assignment, HelpWanted, IncludeError, LineError, read_arguments, unquoted
 from rcss_hat.protocol.params import BY_NAME as SERVER_BY_NAME
 from rcss_hat.protocol.params import KIND_NAMES, PROFILES, Parameter, ServerParams, Value, checked
 from rcss_hat.protocol.records import SAY_SIZE
@@ -22,7 +25,7 @@ PROGRAM = "fake-rcssserver"
 PATIENCE = 1.25
 """Seconds that rcssserver waits for a client in synch mode."""
 USAGE = f"""\
-Usage: {PROGRAM} [OPTIONS] [server::NAME=VALUE] [player::NAME=VALUE] ...
+Usage: {PROGRAM} [OPTIONS] [server::NAME=VALUE] [player::NAME=VALUE] [include=FILE] ...
        {PROGRAM} replay FILE [--port P] [--bind ADDRESS]
 
 A stand-in for rcssserver. Parameters are written as for rcssserver; port 0 is any free port.
@@ -47,8 +50,12 @@ Example: Keepaway 3 vs 2 at full speed, starting 5 seconds after the first step
 
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _BOOLEANS = {"0": False, "1": True, "false": False, "true": True, "off": False, "on": True, "no": False, "yes": True}
+_TABLES: dict[str, Mapping[str, Parameter]] = {"server": SERVER_BY_NAME, "player": PLAYER_BY_NAME}
+_VERSION = "version"
+"""Stands in every configuration file that rcssserver writes; says nothing about the match."""
+_TEAM_NAME = re.compile(r"[-+_a-zA-Z0-9]{1,15}")
 _TAKES_VALUE = ("--seed", "--profile", "--bind", "--episodes", "--patience")
-_FLAGS = ("--quiet", "--help")
+_FLAGS = ("--quiet",)
 
 
 _LIMITS: dict[str, tuple[int, int, str]] = {
@@ -56,7 +63,7 @@ _LIMITS: dict[str, tuple[int, int, str]] = {
     "coach_port": (0, 65535, "a port"),
     "olcoach_port": (0, 65535, "a port"),
     "say_msg_size": (0, SAY_SIZE, "a number of characters"),
-    "game_log_version": (1, 6, "a version"),
+    "game_log_version": (-1, 6, "a version"),
     "game_log_compression": (0, 9, "a level"),
     "text_log_compression": (0, 9, "a level"),
     "simulator_step": (10, 10000, "milliseconds"),
@@ -65,24 +72,9 @@ _LIMITS: dict[str, tuple[int, int, str]] = {
     "player_types": (1, 255, "a number"),
 }
 """Parameters whose values are bounded here: lowest, highest, what they are."""
-
-_WITHOUT_EFFECT = frozenset({
-    "back_passes", "ball_weight", "clang_advice_win", "clang_define_win", "clang_del_win",
-    "clang_info_win", "clang_mess_delay", "clang_mess_per_cycle", "clang_meta_win", "clang_rule_win",
-    "clang_win_size", "coach_msg_file", "control_radius", "foul_cycles", "foul_detect_probability",
-    "free_kick_faults", "freeform_send_period", "freeform_wait_period", "illegal_defense_dist_x",
-    "illegal_defense_duration", "illegal_defense_number", "illegal_defense_width", "kick_rand_factor_l",
-    "kick_rand_factor_r", "landmark_file", "log_times", "max_goal_kicks", "offside_active_area_size",
-    "offside_kick_margin", "old_coach_hear", "pen_allow_mult_kicks", "pen_before_setup_wait",
-    "pen_coach_moves_players", "pen_dist_x", "pen_max_extra_kicks", "pen_max_goalie_dist_x", "pen_nr_kicks",
-    "pen_random_winner", "pen_ready_wait", "pen_setup_wait", "pen_taken_wait", "penalty_shoot_outs",
-    "player_weight", "prand_factor_l", "prand_factor_r", "profile", "proper_goal_kicks", "recv_step",
-    "red_card_probability", "say_coach_cnt_max", "send_vi_step", "sense_body_step", "stopped_ball_vel",
-    "synch_micro_sleep", "team_actuator_noise", "team_l_start", "team_r_start", "verbose", "wind_ang",
-    "wind_dir", "wind_force", "wind_none", "wind_rand", "wind_random",
-    "subs_max",
-})  # fmt: skip
-"""Parameters that are accepted and told to clients, but change nothing."""
+_LEAST: dict[str, int] = {"slow_down_factor": 1, "nr_normal_halfs": 0, "nr_extra_halfs": 0, "extra_half_time": 0}
+_BETWEEN_0_AND_1 = ("foul_detect_probability", "red_card_probability")
+"""Parameters whose values are raised or lowered to what they may be, without a word, as the original does."""
 
 
 class UsageError(Exception):
@@ -111,6 +103,8 @@ class ServerOptions:
         Seconds that synch mode waits for a client's ``(done)``.
     quiet : bool
         Print nothing on standard output.
+    ignored : list of str
+        Parameters of name spaces that have no effect here, as ``space::name``.
     """
 
     params: ServerParams = field(default_factory=ServerParams)
@@ -120,6 +114,7 @@ class ServerOptions:
     episodes: int | None = None
     patience: float = PATIENCE
     quiet: bool = False
+    ignored: list[str] = field(default_factory=list)
 
 
 def parse_options(arguments: Iterable[str]) -> ServerOptions:
@@ -137,7 +132,7 @@ def parse_options(arguments: Iterable[str]) -> ServerOptions:
     HelpRequested
         When the help text is wanted.
     """
-    own, assignments = _split(arguments)
+    own, line = _split(arguments)
     profile = own.get("--profile", PROFILES[0])
     if profile not in PROFILES:
         raise UsageError(f"--profile takes {' or '.join(PROFILES)}, not {profile!r}")
@@ -150,8 +145,17 @@ def parse_options(arguments: Iterable[str]) -> ServerOptions:
         patience=_seconds(own, "--patience", PATIENCE),
         quiet="--quiet" in own,
     )
-    for assignment in assignments:
-        _assign(options, assignment)
+    try:
+        for assignment in read_arguments(line):
+            _assign(options, assignment)
+    except HelpWanted:
+        raise HelpRequested from None
+    except IncludeError as error:
+        raise UsageError(str(error)) from None
+    except LineError as error:
+        raise UsageError(_complaint(error)) from None
+    _check_log_version(options.params)
+    _check_team_names(options.params)
     return options
 
 
@@ -165,30 +169,27 @@ def without_effect(options: ServerOptions) -> list[str]:
             ("player", options.player_params, PlayerParams(profile)),
         )
         for name in chosen
-        if name in _WITHOUT_EFFECT and chosen[name] != default[name]
+        if name in NO_EFFECT[space] and chosen[name] not in (default[name], NOT_DONE_HERE.get(name))
     ]
-    return sorted(changed)
+    return sorted({*changed, *options.ignored})
 
 
 def _split(arguments: Iterable[str]) -> tuple[dict[str, str], list[str]]:
-    """Separate own options from parameters."""
+    """Separate own options from the line of parameters."""
     own: dict[str, str] = {}
-    assignments = []
+    line = []
     rest = iter(arguments)
     for argument in rest:
         name, _, value = argument.partition("=")
-        if argument.lstrip("-").lower() in ("help", "h"):
+        if argument.lower() in ("-h", "--h", "h"):
             raise HelpRequested
-        if "::" in name:
-            assignments.append(argument)
-        elif name in _FLAGS:
+        if name in _FLAGS:
             own[name] = ""
         elif name in _TAKES_VALUE:
             own[name] = value if "=" in argument else _next(rest, name)
         else:
-            known = (*_TAKES_VALUE, *_FLAGS, "replay")
-            raise UsageError(f"unknown option {argument!r}{_suggestion(name, known)}; see {PROGRAM} --help")
-    return own, assignments
+            line.append(argument)
+    return own, line
 
 
 def _next(rest: Iterator[str], name: str) -> str:
@@ -216,21 +217,76 @@ def _seconds(own: dict[str, str], name: str, otherwise: float) -> float:
     return float(text)
 
 
-def _assign(options: ServerOptions, assignment: str) -> None:
-    """Carry out ``space::name=value``."""
-    path, equals, text = assignment.lstrip("-").partition("=")
-    space, _, name = path.partition("::")
-    if space == "server":
-        table, target = SERVER_BY_NAME, options.params.set
-    elif space == "player":
-        table, target = PLAYER_BY_NAME, options.player_params.set
-    else:
-        raise UsageError(f"unknown name space in {assignment!r}; parameters begin with server:: or player::")
+def _check_log_version(params: ServerParams) -> None:
+    """Refuse versions of the game log that the server does not have."""
+    version = params["game_log_version"]
+    if version == 0 or (version == -1 and params.profile == "11.1"):
+        json_too = "" if params.profile == "11.1" else ", or -1 for JSON"
+        raise UsageError(f"server::game_log_version takes a version, 1 to 6{json_too}, not {version}")
+
+
+def _check_team_names(params: ServerParams) -> None:
+    """Refuse fixed team names of which the original makes others (it cuts them, or takes none)."""
+    names = {name: str(params[name]) for name in ("fixed_teamname_l", "fixed_teamname_r")}
+    for name, value in names.items():
+        if value and not _TEAM_NAME.fullmatch(value):
+            raise UsageError(f"server::{name} takes up to 15 of letters, digits, +, - and _, not {value!r}")
+    left, right = names.values()
+    if left and left == right:
+        raise UsageError(f"server::fixed_teamname_l and server::fixed_teamname_r are both {left!r}; they must differ")
+
+
+def _complaint(error: LineError) -> str:
+    """Say in one line what is wrong with a line of parameters."""
+    if error.missing == "value":
+        space, _, name = error.path.rpartition("::")
+        table = _TABLES.get(space, {})
+        example = f": {error.path}={_example(table[name])}" if name in table else ""
+        if error.found:
+            return f"cannot read {error.found!r}: {error.path} needs '=' and a value{example}"
+        return f"{error.path} needs a value{example}"
+    name = error.found.partition("=")[0]
+    spaces = [f"{space}::{name}" for space, table in _TABLES.items() if name in table]
+    own = (*_TAKES_VALUE, *_FLAGS, "--help", "replay")
+    hint = f"; did you mean {' or '.join(spaces)}?" if spaces else _suggestion(name, own)
+    return f"unknown option {error.found!r}{hint}; see {PROGRAM} --help"
+
+
+def _assign(options: ServerOptions, assignment: Assignment) -> None:
+    """Carry out ``space::name = value``."""
+    try:
+        if assignment.space in SAVERS:
+            _ignore(options, assignment)
+        elif assignment.space not in _TABLES:
+            spaces = (*_TABLES, *SAVERS)
+            path = f"{assignment.space}::{assignment.name}={assignment.value}"
+            hint = _suggestion(assignment.space, spaces) or f"; there are {', '.join(spaces)}"
+            raise UsageError(f"unknown name space in {path!r}{hint}")
+        elif assignment.name != _VERSION:
+            params = options.params if assignment.space == "server" else options.player_params
+            params.set(assignment.name, _checked(assignment, _TABLES[assignment.space]))
+    except UsageError as error:
+        raise UsageError(f"{assignment.source}{error}") from None
+
+
+def _ignore(options: ServerOptions, assignment: Assignment) -> None:
+    """Note a parameter of a name space without effect, unless that is what it asks for."""
+    defaults = SAVERS[assignment.space]
+    name, path = assignment.name, f"{assignment.space}::{assignment.name}"
+    if name == _VERSION:
+        return
+    if defaults and name not in defaults:
+        raise UsageError(f"unknown parameter {path}{_suggestion(name, defaults, assignment.space)}")
+    if unquoted(assignment.value).lower() not in defaults.get(name, ()):
+        options.ignored.append(path)
+
+
+def _checked(assignment: Assignment, table: Mapping[str, Parameter]) -> Value:
+    """Return the value of an assignment, which its parameter may have."""
+    space, name, text = assignment.space, assignment.name, assignment.value
     if name not in table:
         hint = "; the seed of the simulation is --seed N" if name == "random_seed" else _suggestion(name, table, space)
         raise UsageError(f"unknown parameter {space}::{name}{hint}")
-    if not equals:
-        raise UsageError(f"{space}::{name} needs a value: {space}::{name}={_example(table[name])}")
     try:
         value = parse_value(table[name], text)
     except TypeError as error:
@@ -240,7 +296,16 @@ def _assign(options: ServerOptions, assignment: str) -> None:
         if not low <= value <= high:
             bound = f"at least {low}" if value < low else f"at most {high}"
             raise UsageError(f"{space}::{name} takes {meaning}, {low} to {high}: {bound}, not {text}")
-    target(name, value)
+    return _clamped(name, value)
+
+
+def _clamped(name: str, value: Value) -> Value:
+    """Return a value as the original takes it."""
+    if isinstance(value, str):
+        return value
+    if name in _BETWEEN_0_AND_1:
+        return min(max(float(value), 0.0), 1.0)
+    return max(value, _LEAST.get(name, value))
 
 
 def parse_value(parameter: Parameter, text: str) -> Value:
@@ -252,12 +317,15 @@ def parse_value(parameter: Parameter, text: str) -> Value:
         When the text does not fit the parameter's kind.
     """
     if parameter.kind is str:
-        quoted = len(text) >= 2 and text[0] == text[-1] and text[0] in "'\""
-        return text[1:-1] if quoted else text
+        return unquoted(text)
     if parameter.kind is bool:
-        value: Value = _BOOLEANS.get(text.lower(), text)
+        number = _number(text)
+        whole = str(int(number)) if isinstance(number, float) and number.is_integer() else text  # 1.0 is 1
+        value: Value = _BOOLEANS.get(whole.lower(), text)
     else:
         value = _number(text)
+    if parameter.kind is not float and isinstance(value, int) and not -(2**31) <= value < 2**31:
+        value = text
     try:
         return checked(parameter, value)
     except TypeError:
@@ -276,5 +344,7 @@ def _example(parameter: Parameter) -> Value:
 
 
 def _suggestion(name: str, known: Iterable[str], space: str = "") -> str:
-    close = [f"{space}::{word}" if space else word for word in difflib.get_close_matches(name, list(known), n=2)]
+    lower = {word.lower(): word for word in known}
+    words = [lower[word] for word in difflib.get_close_matches(name.lower(), list(lower), n=2)]
+    close = [f"{space}::{word}" if space else word for word in words]
     return f"; did you mean {' or '.join(close)}?" if close else ""

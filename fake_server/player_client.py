@@ -1,32 +1,32 @@
 """A player's client as the server sees it: his socket, his commands, and what he is told.
 
 Datagrams are read and answered as they come, but in synch mode what they change in the match waits until everybody is
-done (`PlayerClient.carry_out`): then the order in which the datagrams of several players arrive decides nothing.
+done (`PlayerClient.commanded`): then the order in which the datagrams of several players arrive decides nothing.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from fake_server import text
 from fake_server.apply import apply, team_of
 from fake_server.connection import Connection
-from fake_server.digits import ascii_bytes
 from fake_server.game import Game
 from fake_server.param_text import all_params
-from fake_server.simulation import body, hearing, vision
-from fake_server.simulation.commands import too_many_moves
-from fake_server.simulation.state import BEFORE_KICK_OFF, MAX_MESSAGES, PHYSICS
+from fake_server.reactions import Complaint, Reaction, Reactions, Reply
 from rcss_hat.protocol import commands as said
+from rcss_hat.protocol import messages
+from rcss_hat.protocol.digits import ascii_bytes
 from rcss_hat.protocol.landmarks import N_LANDMARKS
 from rcss_hat.protocol.records import MAX_PLAYERS, SEE, SENSE_BODY, empty
-
-if TYPE_CHECKING:
-    from fake_server.server import Server
+from rcss_hat.protocol.see import team_names, write_see
+from rcss_hat.simulation import body, hearing, vision
+from rcss_hat.simulation.commands import too_many_moves
+from rcss_hat.simulation.state import BEFORE_KICK_OFF, MAX_MESSAGES
+from rcss_hat.simulation.world import World
 
 _DONE = b"(done)\0"
 _CHANGE_NOTHING = frozenset({said.Score, said.Clang, said.Compression, said.SenseBody, said.Done})
@@ -38,7 +38,7 @@ class PlayerClient:
 
     Parameters
     ----------
-    server : Server
+    game : Game
     i : int
         Index of the player in the match.
     connection : Connection
@@ -51,20 +51,19 @@ class PlayerClient:
         Whether he was told of a step; nobody is asked to think before.
     """
 
-    def __init__(self, server: Server, i: int, connection: Connection) -> None:
-        self.server, self.i, self.connection = server, i, connection
-        self.game: Game = server.game
+    def __init__(self, game: Game, i: int, connection: Connection) -> None:
+        self.game, self.i, self.connection = game, i, connection
         self.version = int(self.game.match["version"][0, i])
         self.done = self.told = False
         self._pending: list[Any] = []
         self._see, self._sense = empty(SEE), empty(SENSE_BODY)
-        self._buffer = np.zeros(text.MAX_MESSAGE, dtype=np.uint8)
-        self._landmarks = np.ones(N_LANDMARKS, dtype=np.uint8)
+        self._buffer = np.zeros(said.MAX_DATAGRAM, dtype=np.uint8)
+        self._landmarks = np.arange(N_LANDMARKS, dtype=np.uint8)
         self._order = np.zeros((MAX_MESSAGES, 2), dtype=np.int32)
         self._ends = np.zeros(MAX_MESSAGES, dtype=np.int64)
         self._gets_fullstate = bool(self.game.params["fullstate_l" if i < MAX_PLAYERS else "fullstate_r"])
         self._teams: tuple[str, str] | None = None
-        self._names, self._sizes = text.team_names("", "")
+        self._names, self._sizes = team_names("", "")
 
     @property
     def who(self) -> str:
@@ -76,35 +75,31 @@ class PlayerClient:
         """Whether a think step still waits for him."""
         return not self.done and self.connection.connected
 
-    def send(self, message: str) -> None:
+    def reply(self, message: str) -> None:
         """Send a text message."""
         self.connection.send(message)
 
-    def welcome(self, reply: str, new: bool) -> None:
-        """Send the reply to init or reconnect, the parameters, whose type is not the default one, and how he sees."""
-        self.send(reply)
+    def welcome(self, reply: str, new: bool) -> list[str]:
+        """Return the reply to init or reconnect, the parameters, whose type is not the default one, and how he sees."""
         game = self.game
-        for message in all_params(game.params, game.player_params, game.types, self.version):
-            self.send(message)
-        for j in np.flatnonzero(game.match["type"][0]):
-            self.tell_type(int(j))
-        if new and game.match["synch_see"][0, self.i]:
-            self.send("(ok synch_see)")
+        told = [reply, *all_params(game.params, game.player_params, game.types, self.version)]
+        told += [self.type_of(int(j)) for j in np.flatnonzero(game.match["type"][0])]
+        return [*told, "(ok synch_see)"] if new and game.match["synch_see"][0, self.i] else told
 
-    def tell_type(self, j: int) -> None:
-        """Tell the type of a player, or to opponents that it has changed."""
+    def type_of(self, j: int) -> str:
+        """Return what he is told of the type of a player: of opponents only that it has changed."""
         own = j // MAX_PLAYERS == self.i // MAX_PLAYERS
         player_type = int(self.game.match["type"][0, j])
-        self.send(text.change_player_type(self.game.unum(j), player_type if own else None))
+        return messages.ChangePlayerType(unum=self.game.unum(j), player_type=player_type if own else None).to_text()
 
     # --- what he is told every cycle ------------------------------------------------------------------------------
-    def sense_body(self, match: np.ndarray | None = None) -> None:
-        """Send sense_body, of the game's match or of a copy."""
-        game = self.game
-        if match is None:
-            match = game.match
-        body.sense_body(match, game.kernel, game.types, self.i, self._sense)
-        self.connection.send_buffer(self._buffer, text.write_sense_body(self._sense, match, self.i, self._buffer))
+    def sense_body(self) -> None:
+        """Send sense_body."""
+        self.connection.send_buffer(self._buffer, self._write_sense_body(self.game.world))
+
+    def _write_sense_body(self, world: World) -> int:
+        body.sense_body(world, self.i, self._sense)
+        return text.write_sense_body(self._sense, world.match, self.i, self._buffer)
 
     def fullstate(self) -> None:
         """Send fullstate where it is switched on."""
@@ -116,7 +111,7 @@ class PlayerClient:
     def hear(self) -> None:
         """Send what players said in the cycle before."""
         match = self.game.match
-        n = hearing.deliver(match, self.game.kernel, self.i, self.game.streams, self._order)
+        n = hearing.deliver(self.game.world, self.i, self._order)
         if n > 0:
             text.write_hear(match, self.i, self._order, n, self._buffer, self._ends)
             start = 0
@@ -130,123 +125,97 @@ class PlayerClient:
         if self._teams != game.teams:
             self._teams = game.teams
             own = self.i // MAX_PLAYERS
-            self._names, self._sizes = text.team_names(game.names[own], game.names[1 - own])
-        vision.see(game.match, game.kernel, game.types, self.i, game.streams, self._landmarks, self._see)
-        self.connection.send_buffer(self._buffer, text.write_see(self._see, self._names, self._sizes, self._buffer))
+            self._names, self._sizes = team_names(game.names[own], game.name_for_opponents(1 - own))
+        vision.see(game.world, self.i, self._landmarks, True, self._see)
+        self.connection.send_buffer(self._buffer, write_see(self._see, self._names, self._sizes, self._buffer))
 
     # --- what he commands -----------------------------------------------------------------------------------------
-    def read(self) -> None:
-        """Read and answer all datagrams that have arrived."""
-        for data in self.connection.receive():
-            self.take(data)
-
-    def take(self, data: bytes) -> None:
+    def take(self, data: bytes) -> Reactions:
         """Read a datagram, left to right, up to the first syntax error."""
-        if not data.endswith(b"\0"):
-            self.send("(warning message_not_null_terminated)")
-        if self.server.logs.wants_messages:
-            self.server.logs.received(self.game.match, self.who, data.split(b"\0", 1)[0].decode("latin-1"))
         if data == _DONE:
             self.done = True
-            return
+            return ()
+        reactions: list[Reaction] = []
+        if not data.endswith(b"\0"):
+            reactions.append(Reply("(warning message_not_null_terminated)"))
         commands, complete = said.parse_commands(data, self.game.params.profile)
         for command in commands:
             kind = type(command)
-            answer = _ANSWERS.get(kind)
-            if answer is not None:
-                answer(self, command)
+            if kind in _ANSWERS and (answer := _ANSWERS[kind](self, command)):
+                reactions += (Reply(answer), command) if kind is said.Compression else (Reply(answer),)
             if kind not in _CHANGE_NOTHING:
                 self._pending.append(command)
             if kind is said.Bye:
-                return
+                return reactions
         if not complete:
-            self.send("(error illegal_command_form)")
-            if not self.server.options.quiet:
-                print(f"Error parsing >{data.split(bytes(1), 1)[0].decode('latin-1')}<", file=sys.stderr)
+            line = data.split(bytes(1), 1)[0].decode("latin-1")
+            reactions += [Reply("(error illegal_command_form)"), Complaint(f"Error parsing >{line}<")]
+        return reactions
 
-    def answer_done(self, command: said.Done | said.Bye) -> None:
+    def commanded(self) -> list[Any]:
+        """Return the commands that are to be carried out, and forget them."""
+        pending, self._pending = self._pending, []
+        return pending
+
+    def answer_done(self, command: said.Done | said.Bye) -> str:
         """Note that the client has finished this cycle, or for good."""
         self.done = True
+        return ""
 
-    def answer_score(self, command: said.Score) -> None:
+    def answer_score(self, command: said.Score) -> str:
         """Tell the score."""
         own, score = self.i // MAX_PLAYERS, self.game.score
-        self.send(text.score_reply(self.game.time, score[own], score[1 - own]))
+        return messages.Score(time=self.game.time, ours=score[own], theirs=score[1 - own]).to_text()
 
-    def answer_sense_body(self, command: said.SenseBody) -> None:
-        """Send sense_body as it is after the client's own commands so far."""
-        self.sense_body(self._with_pending())
+    def answer_sense_body(self, command: said.SenseBody) -> str:
+        """Tell sense_body as it is after the client's own commands so far."""
+        return self._buffer[: self._write_sense_body(self._with_pending())].tobytes().decode("latin-1")
 
-    def answer_synch_see(self, command: said.SynchSee) -> None:
+    def answer_synch_see(self, command: said.SynchSee) -> str:
         """Confirm."""
-        self.send("(ok synch_see)")
+        return "(ok synch_see)"
 
-    def answer_gaussian_see(self, command: said.GaussianSee) -> None:
+    def answer_gaussian_see(self, command: said.GaussianSee) -> str:
         """Confirm."""
-        self.send("(ok gaussian_see)")
+        return "(ok gaussian_see)"
 
-    def answer_clang(self, command: said.Clang) -> None:
+    def answer_clang(self, command: said.Clang) -> str:
         """Confirm."""
-        self.send(f"(ok clang (ver {command.minimum} {command.maximum}))")
+        return messages.OkClang(minimum=command.minimum, maximum=command.maximum).to_text()
 
-    def answer_compression(self, command: said.Compression) -> None:
-        """Confirm and compress, unless the level is too high."""
-        if command.level <= 9:
-            self.send(f"(ok compression {command.level})")
-            self.connection.compress(command.level)
+    def answer_compression(self, command: said.Compression) -> str:
+        """Confirm, unless the level is too high."""
+        return f"(ok compression {command.level})" if command.level <= 9 else ""
 
-    def answer_ear(self, command: said.Ear) -> None:
+    def answer_ear(self, command: said.Ear) -> str:
         """Complain of a team that does not exist."""
         if command.team is not None and team_of(self.game, self.i, command.team) is None:
-            self.send(f"(error no team with name {command.team})")
+            return f"(error no team with name {command.team})"
+        return ""
 
-    def answer_move(self, command: said.Move) -> None:
+    def answer_move(self, command: said.Move) -> str:
         """Warn of a place that is not allowed, or of one move too many, if the command will be accepted."""
-        game, match = self.game, self._with_pending()
+        game, match = self.game, self._with_pending().match
         if match["command_done"][0, self.i]:
-            return
+            return ""
         if game.mode == BEFORE_KICK_OFF:
             beyond = command.x >= -match["size"][0, self.i] and game.params["forbid_kick_off_offside"]
-            if beyond and game.params.profile != "11.1":
-                self.send("(warning moving_to_opponent_field)")
-        elif int(match["catcher"][0]) == self.i and too_many_moves(match, game.kernel, self.i):
-            self.send("(error too_many_moves)")
+            return "(warning moving_to_opponent_field)" if beyond and game.params.profile != "11.1" else ""
+        too_many = int(match["catcher"][0]) == self.i and too_many_moves(match, game.kernel, self.i)
+        return "(error too_many_moves)" if too_many else ""
 
-    def _with_pending(self) -> np.ndarray:
-        """Return the match as it will be when the own commands so far have been carried out."""
+    def _with_pending(self) -> World:
+        """Return the world as it will be when the own commands so far have been carried out."""
         if not self._pending:
-            return self.game.match
-        match, rng = self.game.match.copy(), self.game.streams[PHYSICS].copy()
+            return self.game.world
+        world = self.game.world
+        world = world._replace(match=world.match.copy(), streams=world.streams.copy())
         for command in self._pending:
-            apply(self.game, match, rng, self.i, command)
-        return match
-
-    def carry_out(self) -> None:
-        """Carry out the commands that have been read."""
-        pending, self._pending = self._pending, []
-        for command in pending:
-            kind = type(command)
-            if kind is said.Bye:
-                self.server.player_left(self)
-                return
-            accepted = self._apply(command)
-            if accepted and kind is said.Say:
-                self.server.player_spoke(self.i, command.message)
-
-    def _apply(self, command: said.Command) -> bool:
-        """Carry out a command, and let the referee know if it moves the ball."""
-        game, touch = self.game, self.game.touch
-        if touch is None or not isinstance(command, said.Kick | said.Tackle):
-            return apply(game, game.match, game.streams[PHYSICS], self.i, command)
-        before = game.match["ball_acc"][0].copy()
-        accepted = apply(game, game.match, game.streams[PHYSICS], self.i, command)
-        strength = float(np.hypot(*(game.match["ball_acc"][0] - before)))
-        if strength > 0.0:
-            touch.touched(self.i, strength)
-        return accepted
+            apply(self.game, world, self.i, command)
+        return world
 
 
-_ANSWERS: dict[type, Callable[[PlayerClient, Any], None]] = {
+_ANSWERS: dict[type, Callable[[PlayerClient, Any], str]] = {
     said.Done: PlayerClient.answer_done,
     said.Bye: PlayerClient.answer_done,
     said.Score: PlayerClient.answer_score,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from fake_server.simulation.player_types import PLAYER_PARAMETERS as DEFAULTS
 from rcss_hat.protocol.params import PROFILES, Parameter, Value, checked
+from rcss_hat.simulation.player_types import PLAYER_PARAMETERS as DEFAULTS
 
 _KINDS: dict[str, type] = {
     "allow_mult_default_type": bool, "player_types": int, "pt_max": int, "random_seed": int, "subs_max": int,

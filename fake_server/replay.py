@@ -11,21 +11,21 @@ from __future__ import annotations
 
 import base64
 import binascii
-import gzip
-import json
+import logging
 import selectors
 import socket
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from fake_server.connection import Address, Connection
-from fake_server.text import MAX_MESSAGE
+from rcss_hat.inputs import FileFormatError, LineReader, excerpt, item, load_json
+from rcss_hat.protocol.commands import MAX_DATAGRAM
 
 REFUSAL = "(error no_more_player_or_goalie_or_illegal_client_version)"
 """Reply to clients for whom the recording has no part left."""
 _DONE = b"(done)"
+_LOG = logging.getLogger(__name__)
 
 
 class TranscriptError(Exception):
@@ -69,34 +69,44 @@ def read_transcript(path: Path) -> list[Part]:
     Raises
     ------
     TranscriptError
-        When it cannot be read or holds no client.
+        When it cannot be read or holds no client. One that is cut off is read up to there, and that is said.
     """
     entries: dict[str, list[tuple[bool, bytes]]] = {}
+    reader = LineReader(path, "transcript")
     try:
-        packed = path.read_bytes()
-        lines = (gzip.decompress(packed) if path.suffix == ".gz" else packed).decode("utf-8").splitlines()
-    except (OSError, UnicodeDecodeError, EOFError, zlib.error) as error:
-        raise TranscriptError(f"cannot read {path}: {error}") from None
-    for number, line in enumerate(lines, 1):
-        client, sent, data = _entry(line, f"{path}:{number}")
-        entries.setdefault(client, []).append((sent, data))
+        for number, line in enumerate(reader, 1):
+            try:
+                client, sent, data = _entry(line, f"{path}:{number}")
+            except TranscriptError:
+                if not reader.unended or not entries:
+                    raise
+                reader.cut = reader.cut or "its last line is cut off"
+                break
+            entries.setdefault(client, []).append((sent, data))
+    except FileFormatError as error:
+        raise TranscriptError(f"cannot read {error}") from None
     parts = [_part(name, events) for name, events in entries.items() if any(sent for sent, _ in events)]
     if not parts:
-        raise TranscriptError(f"{path}: no client sends anything")
+        raise TranscriptError(
+            f"{path}: no client sends anything" + (f"; cannot read on: {reader.cut}" * bool(reader.cut))
+        )
+    if reader.cut:
+        _LOG.warning("%s: %s; it is replayed up to there", path, reader.cut)
     return parts
 
 
-def _entry(line: str, where: str) -> tuple[str, bool, bytes]:
+def _entry(line: bytes, where: str) -> tuple[str, bool, bytes]:
     try:
-        record = json.loads(line)
-        if record["dir"] not in ("send", "recv"):
-            raise TranscriptError(f"{where}: dir is send or recv, not {record['dir']!r}")
+        record = load_json(line.decode("utf-8"))
+        client, direction = item(record, "client", str), item(record, "dir", str)
+        if direction not in ("send", "recv"):
+            raise TranscriptError(f"{where}: dir is send or recv, not {excerpt(direction)}")
         if "base64" in record:
-            return str(record["client"]), record["dir"] == "send", base64.b64decode(record["base64"])
-        end = b"" if record["dir"] == "send" else b"\0"
-        return str(record["client"]), record["dir"] == "send", record["text"].encode("latin-1", "replace") + end
-    except (json.JSONDecodeError, KeyError, TypeError, AttributeError, binascii.Error) as error:
-        raise TranscriptError(f"{where}: not a line of a transcript ({error!r})") from None
+            return client, direction == "send", base64.b64decode(item(record, "base64", str))
+        end = b"" if direction == "send" else b"\0"
+        return client, direction == "send", item(record, "text", str).encode("latin-1", "replace") + end
+    except (FileFormatError, UnicodeDecodeError, binascii.Error, ValueError) as error:
+        raise TranscriptError(f"cannot read {where}: not a line of a transcript ({error})") from None
 
 
 def _part(name: str, events: list[tuple[bool, bytes]]) -> Part:
@@ -213,7 +223,7 @@ class Replay:
         if not isinstance(listener, socket.socket):
             return
         try:
-            data, address = listener.recvfrom(MAX_MESSAGE)
+            data, address = listener.recvfrom(MAX_DATAGRAM)
         except BlockingIOError:
             return
         if address in self._actors:

@@ -1,42 +1,33 @@
-"""The server: its clients, what everybody is told of a step, and what clients do to each other.
+"""The server: carries out what clients ask for, and lets the time of its match go on.
 
-A server is made of parts: `Game` (the match), `Reception` (the known ports), the clients, `Logs`, and a clock that
-calls `Server.step`, `Server.send_sees` and, in synch mode, lets everybody think.
+A server is made of parts that do not know it: `Game` (the match), `Clients`, `Reception` (the known ports), `Logs` and
+`Audience`, which tells everybody. `fake_server.running` lets it run by a clock.
 """
 
 from __future__ import annotations
 
-import contextlib
-import selectors
-import signal
-import socket
-import threading
+import sys
 import time
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Callable
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from fake_server import text
-from fake_server.auto_mode import AutoMode
-from fake_server.clock import RealTimeClock, SynchClock, Timing
-from fake_server.connection import Address, Connection
+from fake_server.apply import act
+from fake_server.audience import Audience
+from fake_server.clients import Client, Clients
 from fake_server.game import Game
-from fake_server.limits import Limits
+from fake_server.game_log import JSON_LOG
 from fake_server.logs import Logs
-from fake_server.monitor import Frames, MonitorClient
 from fake_server.options import ServerOptions
-from fake_server.param_text import EVERYTHING, all_params
+from fake_server.param_text import EVERYTHING, all_params, json_params
 from fake_server.player_client import PlayerClient
+from fake_server.reactions import Arrival, Card, Complaint, Datagram, Discard, Placement, Reaction, Reply, Substitution
 from fake_server.reception import Reception
-from fake_server.show import MESSAGE_BOARD
-from fake_server.simulation.state import BEFORE_KICK_OFF, E_EPISODE_OUT, E_EPISODE_TAKEN, N_PLAYERS
+from fake_server.soccer.auto_mode import AutoMode
 from fake_server.trainer import TrainerClient
-from fake_server.warm_up import warm_up
-from rcss_hat.protocol.records import MAX_PLAYERS
+from rcss_hat.protocol import commands as said
+from rcss_hat.protocol.play_modes import PLAY_MODE_IDS
+from rcss_hat.simulation.state import BEFORE_KICK_OFF, E_EPISODE_OUT, E_EPISODE_TAKEN
 
-Client = PlayerClient | TrainerClient | MonitorClient
 EpisodeCallback = Callable[[int, int, int, bool], None]
 """Told number, start and end (cycles) of every finished episode, and whether the ball was taken."""
 _ENDED = E_EPISODE_OUT | E_EPISODE_TAKEN
@@ -50,20 +41,18 @@ class Server:
     options : ServerOptions
     on_episode : callable, optional
         See EpisodeCallback; called in the server's thread.
-    timing : Timing, optional
-        How long to wait in synch mode, instead of what the options say.
 
     Attributes
     ----------
     seed : int
         Given, or taken from the clock.
     game : Game
-    players : list
-        The `PlayerClient` of every player index, or None.
-    clients : dict
-        All clients by address.
+    clients : Clients
+    logs : Logs
+        Once it was started, as `audience` and the ports.
+    audience : Audience
     port, coach_port, olcoach_port : int
-        Where first datagrams go; known after `start`.
+        Where first datagrams go.
     running : bool
         False once `stop` was called.
     kicked_off : bool
@@ -74,34 +63,26 @@ class Server:
         1 after too many missed cycles, else 0.
     """
 
-    def __init__(
-        self, options: ServerOptions, on_episode: EpisodeCallback | None = None, timing: Timing | None = None
-    ) -> None:
-        self.options, self.on_episode, self._timing = options, on_episode, timing or Timing(options.patience)
+    def __init__(self, options: ServerOptions, on_episode: EpisodeCallback | None = None) -> None:
+        self.options, self.on_episode = options, on_episode
         self._started = time.time()
         self.seed = options.seed if options.seed is not None else int(self._started)
         self.game = Game(options, self.seed)
-        self.players: list[PlayerClient | None] = [None] * N_PLAYERS
-        self.monitors: list[MonitorClient] = []
-        self.trainer: TrainerClient | None = None
-        self.clients: dict[Address, Client] = {}
+        self.clients = Clients()
         self.running = True
         self.kicked_off = self.kick_off_wanted = False
         self.exit_code = 0
         self._farewell = "Server Killed. Exiting..."
         self._first_step: float | None = None
-        self._coach_said: list[str] = []
-        self._frames = Frames(self.game)
-        self._auto = AutoMode(self)
-        self._limits = Limits(self)
+        self._auto = AutoMode(self.game.params, self.game.match)
         self._reception: Reception | None = None
-        self._everybody = selectors.DefaultSelector()
-        self._others = selectors.DefaultSelector()  # all but the players
-        self._bell, self._ear = socket.socketpair()
-        self._ear.setblocking(False)
-        self._register(self._ear, self._hear_bell)
 
     # --- life -----------------------------------------------------------------------------------------------------
+    @property
+    def started(self) -> bool:
+        """Whether its ports are open."""
+        return self._reception is not None
+
     def start(self) -> None:
         """Open ports and logs.
 
@@ -112,42 +93,35 @@ class Server:
         """
         game = self.game
         try:
-            reception = self._reception = Reception(self)
-            head = all_params(game.params, game.player_params, game.types, EVERYTHING)
-            self.logs = Logs(game.params, head, self._started)
+            reception = self._reception = Reception(self.options, game, self.clients)
+            self.logs = Logs(game.params, self._log_head(), self._started)
         except OSError:
             self._close_sockets()
             raise
+        self.audience = Audience(game, self.clients, self.logs)
         self.port, self.coach_port, self.olcoach_port = reception.port, reception.coach_port, reception.olcoach_port
         for number, door in enumerate(reception.doors):
-            self._register(door, partial(reception.read, number))
+            self.clients.watch(door, number)
 
-    def run(self) -> int:
-        """Serve until stopped, then close everything; returns the exit code."""
-        if self._reception is None:
-            self.start()
-        try:
-            if self.game.params["synch_mode"]:
-                SynchClock(self, self._timing).run()
-            else:
-                RealTimeClock(self).run()
-        finally:
-            self.close()
-        return self.exit_code
+    def _log_head(self) -> list[str]:
+        """Return the parameter messages of a game log."""
+        game = self.game
+        if game.params["game_log_version"] == JSON_LOG:
+            return json_params(game.params, game.player_params, game.types)
+        return all_params(game.params, game.player_params, game.types, EVERYTHING)
 
     def stop(self, farewell: str | None = None) -> None:
-        """End `run` soon; may be called from a signal handler or another thread."""
+        """End the run soon; may be called from a signal handler or another thread."""
         if self.running and farewell:
             self._farewell = farewell
         self.running = False
-        with contextlib.suppress(OSError):
-            self._bell.send(b"\0")
+        self.clients.ring()
 
     def close(self) -> None:
         """Give the logs their names and close all sockets; does nothing the second time."""
         if self._reception is None:
             return
-        self.release()
+        self.clients.release()
         self.say(f"\n{self._farewell}")
         self.logs.close(self.game.match, self.game.teams)
         self._close_sockets()
@@ -155,150 +129,103 @@ class Server:
         self.say(f"\nGame Results:\n\t{left} vs {right}\n\tScore: {self.game.score[0]} - {self.game.score[1]}")
 
     def _close_sockets(self) -> None:
-        for client in self.clients.values():
-            if client.connection is not None:
-                client.connection.dispose()
+        self.clients.close()
         if self._reception is not None:
             self._reception.close()
             self._reception = None
-        for selector in (self._everybody, self._others):
-            selector.close()
-        self._bell.close()
-        self._ear.close()
 
-    def _register(self, opened: socket.socket, read: Callable[[], object], player: bool = False) -> None:
-        self._everybody.register(opened, selectors.EVENT_READ, read)
-        if not player:
-            self._others.register(opened, selectors.EVENT_READ, read)
-
-    def _hear_bell(self) -> None:
-        with contextlib.suppress(BlockingIOError):
-            self._ear.recv(64)
+    def say(self, line: str) -> None:
+        """Print a line unless quiet."""
+        if not self.options.quiet:
+            print(line, flush=True)
 
     # --- datagrams ------------------------------------------------------------------------------------------------
     def read_all(self, timeout: float) -> None:
-        """Wait for datagrams, at most so many seconds, and answer what came."""
-        self._read(self._everybody, timeout)
+        """Wait for datagrams, at most so many seconds, and carry out what they ask for."""
+        self._read(timeout, players=True)
 
     def read_others(self, timeout: float) -> None:
-        """Wait for datagrams of others than players, at most so many seconds, and answer what came."""
-        self._read(self._others, timeout)
+        """Wait for datagrams of others than players, at most so many seconds, and carry out what they ask for."""
+        self._read(timeout, players=False)
 
-    def _read(self, selector: selectors.BaseSelector, timeout: float) -> None:
-        for key, _ in selector.select(timeout):
-            key.data()
+    def _read(self, timeout: float, players: bool) -> None:
+        for source in self.clients.wait(timeout, players):
+            if not isinstance(source, int):
+                for data in source.connection.receive():
+                    self._take(source, data)
+            elif self._reception is not None:
+                for client, reaction in self._reception.read(source):
+                    self._do(client, reaction)
         self._remove_disconnected()
+
+    def _take(self, client: Client, data: bytes) -> None:
+        self._log(client, data)
+        for reaction in client.take(data):
+            self._do(client, reaction)
+
+    def _log(self, client: Client, data: bytes) -> None:
+        if self.logs.wants_messages and client.who:
+            self.logs.received(self.game.match, client.who, data.split(b"\0", 1)[0].decode("latin-1"))
+
+    def _do(self, client: Client, reaction: Reaction) -> None:
+        _CARRIED_OUT[type(reaction)](self, client, reaction)
 
     def carry_out(self) -> None:
         """Carry out what players have commanded, the left team's first, by number."""
-        for player in self.players:
+        for player in self.clients.players:
             if player is not None:
                 self.game.settle_randomness()  # before the match nobody's commands change what others' draw
-                player.carry_out()
+                self._carry_out(player)
         self._remove_disconnected()
 
-    def hold(self) -> None:
-        """Keep all messages to players and trainer until `release`."""
-        for connection in self._thinking():
-            connection.hold()
-
-    def release(self) -> None:
-        """Send every player and the trainer what was kept, in a burst."""
-        for connection in self._thinking():
-            connection.release()
-
-    def _thinking(self) -> Iterator[Connection]:
-        for player in self.players:
-            if player is not None:
-                yield player.connection
-        if self.trainer is not None and self.trainer.connection is not None:
-            yield self.trainer.connection
-
-    def start_thinking(self) -> list[PlayerClient | TrainerClient]:
-        """Ask everybody to think who was told of a step; returns those who have to answer.
-
-        The original lets players join only while others think, so that a step always comes before the first think.
-        """
-        players = [player for player in self.players if player is not None and player.told]
-        thinkers: list[PlayerClient | TrainerClient] = [*players]
-        if self.trainer is not None and self.trainer.eye:
-            thinkers.append(self.trainer)
-        for client in thinkers:
-            client.done = False
-            client.send("(think)")
-        return thinkers
+    def _carry_out(self, player: PlayerClient) -> None:
+        for command in player.commanded():
+            if isinstance(command, said.Bye):
+                self.discard(player.i)
+                return
+            accepted, announced = act(self.game, player.i, command)
+            self.audience.announce(announced)
+            if accepted and isinstance(command, said.Say):
+                self.audience.player_spoke(player.i, command.message)
 
     # --- who is there ---------------------------------------------------------------------------------------------
-    def add_player(self, player: PlayerClient) -> None:
-        """Take a player's client in; one who had his place before is forgotten."""
-        old = self.players[player.i]
-        if old is not None:
-            self._forget(old)
-        self.players[player.i] = player
-        self._add(player, player.connection)
-
-    def add_monitor(self, monitor: MonitorClient) -> None:
-        """Take a monitor in."""
-        self.monitors.append(monitor)
-        self._add(monitor, monitor.connection)
-
-    def add_trainer(self, trainer: TrainerClient) -> None:
-        """Take the trainer in."""
-        self.trainer = trainer
-        if trainer.connection is not None:
-            self._add(trainer, trainer.connection)
-
-    def _add(self, client: Client, connection: Connection) -> None:
-        self.clients[connection.address] = client
-        self._register(connection.socket, client.read, isinstance(client, PlayerClient))
-
-    def _forget(self, client: Client) -> None:
-        connection = client.connection
-        if connection is None:
-            return
-        for selector in (self._everybody, self._others):
-            with contextlib.suppress(KeyError):
-                selector.unregister(connection.socket)
-        connection.dispose()
-        if self.clients.get(connection.address) is client:
-            del self.clients[connection.address]
+    def _admit(self, client: Client, arrival: Arrival) -> None:
+        """Take a client in, and welcome it."""
+        self.clients.add(client)
+        for message in arrival.welcome:
+            if isinstance(message, str):
+                client.connection.send(message)
+            else:
+                client.connection.send_bytes(message)
+        self.say(arrival.news)
+        self._log(client, arrival.data)
 
     def _remove_disconnected(self) -> None:
-        for player in self.players:
-            if player is not None and not player.connection.connected:
-                self.player_left(player)
-        if self.trainer is not None and not self.trainer.connected:
-            self._forget(self.trainer)
-            self.trainer = None
-            self.say("An offline coach disconnected")
-        if any(not monitor.connection.connected for monitor in self.monitors):
-            for monitor in [monitor for monitor in self.monitors if not monitor.connection.connected]:
-                self._forget(monitor)
-                self.monitors.remove(monitor)
-                self.say("A monitor disconnected")
-
-    def player_left(self, player: PlayerClient) -> None:
-        """Take out a player who said goodbye or is gone."""
-        self._release(player)
-        self.game.leave(player.i)
+        for client in self.clients.gone():
+            if isinstance(client, PlayerClient):
+                self.discard(client.i)
+                continue
+            self.clients.remove(client)
+            self.say(f"{'An offline coach' if isinstance(client, TrainerClient) else 'A monitor'} disconnected")
 
     def discard(self, i: int) -> None:
-        """Take a player out on a monitor's command."""
-        player = self.players[i]
+        """Take a player out who said goodbye, is gone, or has to go on a monitor's command."""
+        player = self.clients.players[i]
         if player is not None:
-            self._release(player)
+            self.clients.remove(player)
+            self.say(f"A player disconnected : ({self.game.team_name(i)} {self.game.unum(i)})")
         self.game.leave(i)
 
-    def show_card(self, i: int, card: str) -> None:
-        """Show a player a yellow or red card on a monitor's command, and take him out if that sends him off."""
-        self.announce(self.game.cards.give(i, card))
-        if self.game.cards.sent_off(i):
-            self.discard(i)
+    def _show_card(self, card: Card) -> None:
+        """Show a player a card on a monitor's command, and take him out if that sends him off."""
+        self.audience.announce(self.game.cards.give(card.i, card.colour))
+        if self.game.cards.sent_off(card.i):
+            self.discard(card.i)
 
-    def _release(self, player: PlayerClient) -> None:
-        self.players[player.i] = None
-        self._forget(player)
-        self.say(f"A player disconnected : ({self.game.team_name(player.i)} {self.game.unum(player.i)})")
+    def substitute(self, i: int, player_type: int) -> None:
+        """Give a player another type, and tell everybody."""
+        self.game.substitute(i, player_type)
+        self.audience.tell_substitution(i, player_type)
 
     # --- a step ---------------------------------------------------------------------------------------------------
     def step(self) -> None:
@@ -310,13 +237,15 @@ class Server:
         if game.match["events"][0] & _ENDED:
             self._end_episode()
         if announced:
-            self.announce(announced)
+            with game.as_of(game.announced_at):
+                self.audience.announce(announced)
         self._kick_off_in_time()
-        self._show()
-        self._auto.step()
-        self._tell_players()
-        if self.trainer is not None:
-            self.trainer.see_global()
+        self.audience.show()
+        if self._auto.kick_off_due():
+            self.kick_off()
+        if self._auto.is_over():
+            self.stop("Game Over. Exiting...")
+        self.audience.tell_step()
 
     def _end_episode(self) -> None:
         number, start, end, taken = self.game.last_episode()
@@ -334,40 +263,10 @@ class Server:
         if start >= 0 and self._first_step is not None and int(time.monotonic() - self._first_step) > start:
             self.kick_off()
 
-    def _show(self) -> None:
-        if self.monitors:
-            self._frames.new_step()
-            for monitor in self.monitors:
-                monitor.connection.send_bytes(self._frames.frame(monitor.version))
-        self.logs.show(self.game.match, self.game.kernel, self.game.teams)
-
-    def _tell_players(self) -> None:
-        players = [player for player in self.players if player is not None]
-        for player in players:
-            player.sense_body()
-            player.fullstate()
-            player.told = True
-        if self._coach_said:
-            said, self._coach_said = self._coach_said, []
-            for player in players:
-                for message in said:
-                    player.send(text.hear_coach(self.game.time, message))
-        if self.game.match["n_heard"][0]:
-            for player in players:
-                player.hear()
-
-    def send_sees(self, due: NDArray[np.uint8]) -> None:
-        """Send so many see messages to every player."""
-        for i in np.flatnonzero(due).tolist():
-            player = self.players[i]
-            if player is not None:
-                for _ in range(int(due[i])):
-                    player.see()
-
-    # --- what clients do to each other ----------------------------------------------------------------------------
+    # --- the start of a match -------------------------------------------------------------------------------------
     def kick_off(self) -> None:
         """Start the match, or its next half."""
-        for i, player_type in self.game.types_at_kick_off():
+        for i, player_type in self.game.line_up.at_kick_off():
             self.substitute(i, player_type)
         self._play(self.game.kick_off)
 
@@ -408,97 +307,28 @@ class Server:
         if waiting and match["episode"][0] > 0:
             self.kicked_off = True
             self.logs.keepaway_header(int(match["n_keepers"][0]), int(match["n_takers"][0]))
-        self.announce(announced)
-
-    def announce(self, messages: list[str]) -> None:
-        """Let the referee say something to everybody."""
-        for message in messages:
-            heard = text.hear_referee(self.game.time, message)
-            for player in self.players:
-                if player is not None:
-                    player.send(heard)
-            if self.trainer is not None:
-                self.trainer.hear_referee(message)
-            self.logs.referee(self.game.match, message)
-            self.tell_monitors(f"(referee {message})")
-        self._limits.look(messages)
-
-    def player_spoke(self, i: int, message: str) -> None:
-        """Tell trainer, monitors and log what a player said; players hear it in the next cycle."""
-        if self.trainer is not None:
-            self.trainer.hear_player(i, message)
-        who = f"(player {self.game.team_name(i)} {self.game.unum(i)})"
-        self.logs.speech(self.game.match, who, message)
-        self.tell_monitors(f"({who} {message})")
-
-    def trainer_spoke(self, message: str) -> None:
-        """Tell monitors and log what the trainer said; players hear it in the next cycle."""
-        self._coach_said.append(message)
-        self.logs.speech(self.game.match, "referee", message)
-        self.tell_monitors(f"(referee {message})")
-
-    def tell_monitors(self, message: str) -> None:
-        """Show a message to monitors, which hear what is said only with ``send_comms``."""
-        if self.monitors and self.game.params["send_comms"]:
-            for monitor in self.monitors:
-                monitor.message(MESSAGE_BOARD, message)
-
-    def substitute(self, i: int, player_type: int) -> None:
-        """Give a player another type, and tell everybody."""
-        self.game.substitute(i, player_type)
-        for player in self.players:
-            if player is not None:
-                player.tell_type(i)
-        news = f"(change_player_type {'l' if i < MAX_PLAYERS else 'r'} {self.game.unum(i)} {player_type})"
-        for monitor in self.monitors:
-            monitor.message(MESSAGE_BOARD, news)
-        self.logs.substitution(self.game.match, news)
-
-    def say(self, line: str) -> None:
-        """Print a line unless quiet."""
-        if not self.options.quiet:
-            print(line, flush=True)
+        self.audience.announce(announced)
 
 
-def stop_on_signals(server: Server) -> None:
-    """Let SIGINT, SIGTERM and SIGHUP end a server cleanly; for the main thread of a process that only serves."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: server.stop())
-
-
-@contextlib.contextmanager
-def running_server(
-    options: ServerOptions | None = None,
-    seed: int | None = None,
-    on_episode: EpisodeCallback | None = None,
-    timing: Timing | None = None,
-) -> Iterator[Server]:
-    """Run a server in a thread of this process, for tests and notebooks.
-
-    Parameters
-    ----------
-    options : ServerOptions, optional
-        With ports 0 any free ones are taken.
-    seed : int, optional
-        Instead of that of the options.
-    on_episode, timing
-        See `Server`.
-
-    Yields
-    ------
-    Server
-        Its ports answer already.
-    """
-    options = options or ServerOptions()
-    if seed is not None:
-        options.seed = seed
-    warm_up(quiet=True)
-    server = Server(options, on_episode, timing)
-    server.start()
-    thread = threading.Thread(target=server.run, name="fake-rcssserver", daemon=True)
-    thread.start()
-    try:
-        yield server
-    finally:
-        server.stop()
-        thread.join()
+_CARRIED_OUT: dict[type, Callable[[Server, Client, Any], object]] = {
+    Reply: lambda server, client, asked: client.reply(asked.text),
+    Complaint: lambda server, client, asked: None if server.options.quiet else print(asked.text, file=sys.stderr),
+    Arrival: Server._admit,
+    Datagram: lambda server, client, asked: server._take(client, asked.data),
+    Placement: lambda server, client, asked: server.game.move_player(*asked),
+    Substitution: lambda server, client, asked: server.substitute(*asked),
+    Discard: lambda server, client, asked: server.discard(asked.i),
+    Card: lambda server, client, asked: server._show_card(asked),
+    said.Compression: lambda server, client, asked: client.connection.compress(asked.level),
+    said.TrainerSay: lambda server, client, asked: server.audience.trainer_spoke(asked.message),
+    said.Start: lambda server, client, asked: server.kick_off(),
+    said.DispStart: lambda server, client, asked: server.want_kick_off(),
+    said.DispBye: lambda server, client, asked: client.connection.close(),
+    said.ChangeMode: lambda server, client, asked: server.change_mode(PLAY_MODE_IDS[asked.mode]),
+    said.MoveBall: lambda server, client, asked: server.game.move_ball(asked.x, asked.y, asked.velocity or (0.0, 0.0)),
+    said.Recover: lambda server, client, asked: server.game.recover(),
+    said.DispFoul: lambda server, client, asked: server.audience.announce(
+        server.game.call_foul(asked.side, asked.x, asked.y)
+    ),
+}
+"""How what clients ask for is done."""

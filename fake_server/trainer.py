@@ -5,21 +5,21 @@ Source: 19.0.0, src/coach.cpp, src/visualsendercoach.cpp and src/serializercoach
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
-from fake_server import text
 from fake_server.coaching import coach
 from fake_server.connection import Connection
+from fake_server.game import Game
 from fake_server.param_text import all_params
+from fake_server.reactions import Reactions, Reply
 from rcss_hat.numeric.angles import RAD, normalize_radians
 from rcss_hat.protocol import commands as said
+from rcss_hat.protocol import messages
+from rcss_hat.protocol.messages.frame import arm_target
 
-if TYPE_CHECKING:
-    from fake_server.server import Server
-
-_GOALS = "((g r) 52.5 0) ((g l) -52.5 0)"
-_MARKS_SINCE = 13
-"""Trainers of this version and later see who kicks, and see arms and tackles with look too."""
+_GOALS = {"r": (52.5, 0.0), "l": (-52.5, 0.0)}
+_MARKS_SINCE, _CARDS_SINCE = 13, 14
+"""Trainers of these versions and later see who kicks, and with look arms and tackles; see cards, but not with look."""
 
 
 class TrainerClient:
@@ -27,123 +27,123 @@ class TrainerClient:
 
     Parameters
     ----------
-    server : Server
-    connection : Connection or None
-        None for a first datagram that is no init: it is carried out, but nobody can be answered.
+    game : Game
+    connection : Connection
     version : int
         Of the protocol.
     """
 
-    def __init__(self, server: Server, connection: Connection | None, version: int) -> None:
-        self.server, self.connection, self.version = server, connection, version
-        self.game = server.game
-        self.eye = self.ear = self.done = False
+    who = "Coach"
+    """Name in logs."""
 
-    @property
-    def connected(self) -> bool:
-        """Whether anybody is there."""
-        return self.connection is not None and self.connection.connected
+    def __init__(self, game: Game, connection: Connection, version: int) -> None:
+        self.game, self.connection, self.version = game, connection, version
+        self.eye = self.ear = self.done = False
 
     @property
     def waited_for(self) -> bool:
         """Whether a think step still waits for him; only one whose eye is on is asked to think."""
-        return self.eye and not self.done and self.connected
+        return self.eye and not self.done and self.connection.connected
 
-    def send(self, message: str) -> None:
+    def reply(self, message: str) -> None:
         """Send a text message."""
-        if self.connection is not None:
-            self.connection.send(message)
+        self.connection.send(message)
 
-    def welcome(self) -> None:
-        """Send the reply to init, the parameters, and whose type is not the default one."""
+    def welcome(self) -> Sequence[str]:
+        """Return the reply to init, and the parameters."""
         game = self.game
-        self.send("(init ok)")
-        for message in all_params(game.params, game.player_params, game.types, self.version):
-            self.send(message)
+        parameters = all_params(game.params, game.player_params, game.types, self.version)
+        return [messages.InitOk().to_text(), *parameters]
 
     # --- what he is told ------------------------------------------------------------------------------------------
     def hear_referee(self, message: str) -> None:
         """Tell what the referee announces."""
         if self.ear:
-            self.send(f"(hear referee {self.game.time} {message})")
+            self.connection.send(f"(hear referee {self.game.time} {message})")
 
     def hear_player(self, i: int, message: str) -> None:
         """Tell what a player says, at once."""
         if self.ear:
-            self.send(f'(hear {self.game.time} ({self.game.visible_name(i)}) "{message}")')
+            team, goalie = self.game.team_name(i), bool(self.game.match["goalie"][0, i])
+            heard = messages.Hear(
+                time=self.game.time, source="player", text=message, unum=self.game.unum(i), team=team, goalie=goalie
+            )
+            self.connection.send(heard.to_text())
 
     def see_global(self) -> None:
         """Send what the trainer sees, if his eye is on."""
         if self.eye:
-            self.send(f"(see_global {self._everything(marks=True)})")
+            self.connection.send(self._everything(answer=False, marks=True))
 
-    def _everything(self, marks: bool) -> str:
+    def _everything(self, answer: bool, marks: bool) -> str:
         game, match = self.game, self.game.match
-        x, y = match["ball_pos"][0]
-        vx, vy = match["ball_vel"][0]
-        players = [f" {self._player(int(i), marks)}" for i in game.players()]
-        return f"{game.time} {_GOALS} ((b) {x:g} {y:g} {vx:g} {vy:g}){''.join(players)}"
+        (x, y), (vx, vy) = match["ball_pos"][0], match["ball_vel"][0]
+        players = tuple(self._player(int(i), marks, acts=not answer) for i in game.players())
+        ball = messages.BallState(x=x, y=y, vx=vx, vy=vy)
+        seen = messages.SeeGlobal(time=game.time, answer=answer, goals=_GOALS, ball=ball, players=players)
+        return seen.to_text()
 
-    def _player(self, i: int, marks: bool) -> str:
+    def _player(self, i: int, marks: bool, acts: bool) -> messages.GlobalPlayer:
         row = self.game.match[0]
         (x, y), (vx, vy) = row["pos"][i], row["vel"][i]
         body, neck = float(row["body"][i]), float(row["neck"][i])
-        words = [f"({self.game.visible_name(i)})", f"{x:g} {y:g} {vx:g} {vy:g} {round(body * RAD)} {round(neck * RAD)}"]
+        pointing = None
         if marks and row["arm_expires"][i] > 0:
-            _, direction = text.arm_target(self.game.match, i)
-            words.append(str(round(normalize_radians(direction + neck + body) * RAD)))
+            _, direction = arm_target(self.game.match, i)
+            pointing = round(normalize_radians(direction + neck + body) * RAD)
+        does = ""
         if marks and row["tackle_cycles"][i] > 0:
-            words.append("t")
-        elif marks and self.version >= _MARKS_SINCE and row["kick_cycles"][i] > 0:
-            words.append("k")
-        return f"({' '.join(words)})"
+            does = "t"
+        elif acts and self.version >= _MARKS_SINCE and row["kick_cycles"][i] > 0:
+            does = "k"
+        card = self.game.cards.shown(i) if acts and self.version >= _CARDS_SINCE else ""
+        return messages.GlobalPlayer(
+            team=self.game.team_name(i),
+            unum=self.game.unum(i),
+            goalie=bool(row["goalie"][i]),
+            x=x,
+            y=y,
+            vx=vx,
+            vy=vy,
+            body=round(body * RAD),
+            neck=round(neck * RAD),
+            pointing=pointing,
+            marks=tuple(filter(None, (does, card))),
+        )
 
     # --- what he commands -----------------------------------------------------------------------------------------
-    def read(self) -> None:
-        """Carry out all commands that have arrived."""
-        if self.connection is not None:
-            for data in self.connection.receive():
-                if not data.endswith(b"\0"):
-                    self.send("(warning message_not_null_terminated)")
-                self.take(data)
-
-    def take(self, data: bytes) -> None:
-        """Carry out the one command of a datagram, and answer."""
-        if self.server.logs.wants_messages:
-            self.server.logs.received(self.game.match, "Coach", data.split(b"\0", 1)[0].decode("latin-1"))
+    def take(self, data: bytes) -> Reactions:
+        """React to the one command of a datagram."""
         command = said.parse_trainer_command(data, int(self.game.params.number("say_coach_msg_size")))
-        if isinstance(command, said.Refusal):
-            self.send(command.text)
-        else:
-            self._carry_out(command)
+        reactions = (Reply(command.text),) if isinstance(command, said.Refusal) else self._react(command)
+        return reactions if data.endswith(b"\0") else (Reply("(warning message_not_null_terminated)"), *reactions)
 
-    def _carry_out(self, command: said.Command) -> None:
-        game = self.game
+    def _react(self, command: said.Command) -> Reactions:
         if isinstance(command, said.Done):
             self.done = True
-        elif isinstance(command, said.Look):
-            self.send(f"(ok look {self._everything(marks=self.version >= _MARKS_SINCE)})")
-        elif isinstance(command, said.Eye):
-            self.eye = command.on
-            self.send(f"(ok eye {'on' if command.on else 'off'})")
-        elif isinstance(command, said.TrainerEar):
-            self.ear = command.on
-            self.send(f"(ok ear {'on' if command.on else 'off'})")
-        elif isinstance(command, said.TeamNames):
-            names = [f" (team {side} {name})" for side, name in zip("lr", game.teams, strict=True) if name]
-            self.send(f"(ok team_names{''.join(names)})\n")
-        elif isinstance(command, said.TrainerSay):
-            self._say(command.message)
-        elif isinstance(command, said.Compression):
-            self.send(f"(ok compression {command.level})")
-            if self.connection is not None:
-                self.connection.compress(command.level)
-        else:
-            reply = coach(self.server, command) or "(error unknown_command)"
-            self.send(reply + "\n" if isinstance(command, said.Recover) else reply)
+            return ()
+        if isinstance(command, said.TrainerSay):
+            hear = Reply(f'(hear {self.game.time} referee "{command.message}")')
+            return *([hear] if self.ear else ()), command, Reply("(ok say)")
+        if isinstance(command, said.Compression):
+            return Reply(f"(ok compression {command.level})"), command
+        if (answer := self._answer(command)) is not None:
+            return (Reply(answer),)
+        if isinstance(command, said.Recover):
+            return command, Reply("(ok recover)\n")
+        return coach(self.game, command) or (Reply("(error unknown_command)"),)
 
-    def _say(self, message: str) -> None:
-        if self.ear:
-            self.send(f'(hear {self.game.time} referee "{message}")')
-        self.server.trainer_spoke(message)
-        self.send("(ok say)")
+    def _answer(self, command: said.Command) -> str | None:
+        """Answer what concerns nobody else; None for other commands."""
+        if isinstance(command, said.Look):
+            return self._everything(answer=True, marks=self.version >= _MARKS_SINCE)
+        if isinstance(command, said.Eye):
+            self.eye = command.on
+            return f"(ok eye {'on' if command.on else 'off'})"
+        if isinstance(command, said.TrainerEar):
+            self.ear = command.on
+            return f"(ok ear {'on' if command.on else 'off'})"
+        if isinstance(command, said.TeamNames):
+            left, right = self.game.teams
+            return messages.OkTeamNames(left=left or None, right=right or None).to_text() + "\n"
+        return None

@@ -7,20 +7,31 @@ from dataclasses import replace
 
 import numpy as np
 
-from fake_server import binary, text
-from fake_server.digits import ascii_bytes
+from fake_server import text
 from fake_server.game import Game
 from fake_server.options import ServerOptions
-from fake_server.show import MAX_SHOW, monitor_head, write_show
-from fake_server.simulation import body, clock, commands, hearing, vision
-from fake_server.simulation.state import MAX_MESSAGES, N_PLAYERS, PHYSICS, PLAY_ON
-from rcss_hat.numeric.jit import is_cached
+from fake_server.show import monitor_head, show_2, write_show
+from fake_server.soccer.catch import catch_ball
+from fake_server.soccer.tackle import tackle
+from rcss_hat.numeric.compiling import compiling
+from rcss_hat.protocol.commands import MAX_DATAGRAM
+from rcss_hat.protocol.digits import ascii_bytes
 from rcss_hat.protocol.landmarks import N_LANDMARKS
+from rcss_hat.protocol.messages.frame import arm_target
+from rcss_hat.protocol.messages.show import MAX_SHOW
 from rcss_hat.protocol.params import ServerParams
 from rcss_hat.protocol.records import SEE, SENSE_BODY, empty
+from rcss_hat.protocol.see import team_names, write_see
+from rcss_hat.simulation import body, clock, commands, hearing, vision
+from rcss_hat.simulation.state import MAX_MESSAGES, N_PLAYERS, PLAY_ON
 
 NEWEST = 19
 """A protocol version whose messages have all parts."""
+KERNELS = (
+    "fake_server.text",
+    "fake_server.show",
+    *(f"rcss_hat.simulation.{name}" for name in ("body", "clock", "commands", "cycle", "hearing", "vision")),
+)
 
 
 def warm_up(quiet: bool = False) -> None:
@@ -31,12 +42,24 @@ def warm_up(quiet: bool = False) -> None:
     quiet : bool
         Say nothing of it on standard error.
     """
-    if not quiet and not is_cached("fake_server.simulation.cycle"):
-        print("Compiling the simulation (once per installation, up to a minute) ...", file=sys.stderr, flush=True)
+    with compiling(_unsaid if quiet else _say, "the simulation", *KERNELS):
+        _play()
+
+
+def _say(message: str) -> None:
+    print(message, file=sys.stderr, flush=True)
+
+
+def _unsaid(message: str) -> None:
+    return
+
+
+def _play() -> None:
     values = {"keepaway": True, "synch_mode": True, "visible_angle": 360.0}
     game = Game(replace(ServerOptions(), params=ServerParams("19.0", **values)), seed=0)
     players = [game.join("left", NEWEST, True), game.join("right", 11, False)]
     _command(game, players[0])
+    game.step()
     game.kick_off()
     for _ in range(3):
         game.step()
@@ -51,30 +74,31 @@ def _referee(game: Game, i: int) -> None:
     """Do what trainers and monitors may do."""
     game.call_foul(0, 0.0, 0.0)
     game.call_foul(1, 0.0, 0.0)
+    game.step()
     game.change_mode(PLAY_ON)
     game.move_ball(0.0, 0.0, (0.0, 0.0))
     game.move_player(i, 1.0, 1.0, 0.0, (0.0, 0.0))
     game.recover()
     game.substitute(i, 0)
-    text.arm_target(game.match, i)
-    binary.show_2(game.match, game.kernel, game.teams)
+    arm_target(game.match, i)
+    show_2(game.match, game.kernel, game.teams)
 
 
 def _perceive(game: Game, players: list[int]) -> None:
     see, sense, due = empty(SEE), empty(SENSE_BODY), np.zeros(N_PLAYERS, dtype=np.uint8)
-    buffer, frame = np.zeros(text.MAX_MESSAGE, dtype=np.uint8), np.zeros(MAX_SHOW, dtype=np.uint8)
-    names, sizes = text.team_names("left", "right")
+    buffer, frame = np.zeros(MAX_DATAGRAM, dtype=np.uint8), np.zeros(MAX_SHOW, dtype=np.uint8)
+    names, sizes = team_names("left", "right")
     order = np.zeros((MAX_MESSAGES, 2), dtype=np.int32)
     ends = np.zeros(MAX_MESSAGES, dtype=np.int64)
-    wanted = np.ones(N_LANDMARKS, dtype=np.uint8)
+    landmarks = np.arange(N_LANDMARKS, dtype=np.uint8)
     for i in players:
-        body.sense_body(game.match, game.kernel, game.types, i, sense)
+        body.sense_body(game.world, i, sense)
         text.write_sense_body(sense, game.match, i, buffer)
         text.write_fullstate(game.match, i, ascii_bytes(game.mode_name), buffer)
-        n = hearing.deliver(game.match, game.kernel, i, game.streams, order)
+        n = hearing.deliver(game.world, i, order)
         text.write_hear(game.match, i, order, n, buffer, ends)
-        vision.see(game.match, game.kernel, game.types, i, game.streams, wanted, see)
-        text.write_see(see, names, sizes, buffer)
+        vision.see(game.world, i, landmarks, True, see)
+        write_see(see, names, sizes, buffer)
     write_show(game.match, game.kernel, 5, ascii_bytes(monitor_head(game.mode, game.teams, game.score)), frame)
     clock.sees_before_think(game.match, game.kernel, due)
     clock.sees_after_think(game.match, game.kernel, due)
@@ -82,14 +106,14 @@ def _perceive(game: Game, players: list[int]) -> None:
 
 
 def _command(game: Game, i: int) -> None:
-    match, params, types, rng = game.match, game.kernel, game.types, game.streams[PHYSICS]
-    commands.move(match, params, types, i, -5.0, 0.0, rng)
-    commands.dash(match, params, types, i, 50.0, 0.0)
+    world, match, params = game.world, game.match, game.kernel
+    commands.move(world, i, -5.0, 0.0)
+    commands.dash(world, i, 50.0, 0.0)
     commands.dash_legs(match, params, i, commands.LEFT_LEG, 50.0, 0.0)
-    commands.turn(match, params, types, i, 10.0, rng)
-    commands.kick(match, params, types, i, 10.0, 0.0, rng)
-    commands.tackle(match, params, types, i, 0.0, False, rng)
-    commands.catch_ball(match, params, types, i, 0.0, rng)
+    commands.turn(world, i, 10.0)
+    commands.kick(world, i, 10.0, 0.0)
+    tackle(world, i, 0.0, False)
+    catch_ball(world, i, 0.0)
     commands.too_many_moves(match, params, i)
     commands.turn_neck(match, params, i, 5.0)
     commands.say(match, params, i, np.frombuffer(b"hello", dtype=np.uint8), 5)

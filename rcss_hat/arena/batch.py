@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from rcss_hat.arena.match import ArenaMatch
 from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
+from rcss_hat.numeric.seeds import derived_seed
+from rcss_hat.system.workers import in_parallel
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +42,8 @@ class MatchResult:
 
 
 def match_seeds(seed: int, matches: int) -> list[int]:
-    """Seeds of the matches of a batch, by ``SeedSequence.spawn``: a longer batch begins with those of a shorter one."""
-    children = np.random.SeedSequence(seed).spawn(matches)
-    return [int(child.generate_state(1, np.uint32)[0] >> 1) for child in children]
+    """Seeds of the matches of a batch; a longer batch begins with those of a shorter one."""
+    return [derived_seed(seed, number) for number in range(matches)]
 
 
 def play_batch(
@@ -72,17 +72,17 @@ def play_batch(
     PolicyError
         When there is no such policy; before anything is played.
     """
-    load_policy(policy, task.keepers, task.takers, seed)
+    load_policy(policy, task.keepers, task.takers, seed, task)
     seeds = match_seeds(seed, matches)
     if processes == 1 or matches == 1:
         yield from (_play(task, policy, number, own, episodes) for number, own in enumerate(seeds))
         return
     _play(task, policy, 0, seeds[0], 1)  # compiles once, here
-    jobs = (delayed(_play)(task, policy, number, own, episodes) for number, own in enumerate(seeds))
-    yield from Parallel(n_jobs=processes, return_as="generator_unordered")(jobs)
+    work = ((task, policy, number, own, episodes) for number, own in enumerate(seeds))
+    yield from in_parallel(_play, work, processes)
 
 
 def _play(task: Task, policy: str, number: int, seed: int, episodes: int) -> MatchResult:
-    match = ArenaMatch(task, seed, load_policy(policy, task.keepers, task.takers, seed))
+    match = ArenaMatch(task, seed, load_policy(policy, task.keepers, task.takers, seed, task))
     played = [episode for part in match.advance(episodes=episodes) for episode in part]
     return MatchResult(number, seed, match.cycle, tuple(played))

@@ -11,17 +11,35 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.simulation import body, clock, commands, cycle, hearing, vision
-from fake_server.simulation.state import E_EPISODE_OUT, E_EPISODE_TAKEN, PHYSICS
-from rcss_hat.arena.records import COMMAND, DECIDE, FINISHED, LOG_FULL, NEEDS_ACTION, PERCEIVE, SIMULATE
-from rcss_hat.hat.brains import EXTERNAL, choose, finish
+from rcss_hat.arena.records import (
+    BALL_STUCK,
+    COMMAND,
+    DECIDE,
+    EPISODE_OVER,
+    FINISHED,
+    JUDGE,
+    LOG_FULL,
+    NEEDS_ACTION,
+    PERCEIVE,
+    SIMULATE,
+    Logs,
+    Team,
+)
+from rcss_hat.hat.brains import EXTERNAL, Brains, choose, finish
 from rcss_hat.keepaway import agent as players
-from rcss_hat.numeric.jit import njit
+from rcss_hat.keepaway.taker import HAND_CODED
+from rcss_hat.keepaway.taker_state import taker_state_variables
+from rcss_hat.numeric.jit import kernel
+from rcss_hat.simulation import body, clock, commands, cycle, hearing, vision
+from rcss_hat.simulation.state import E_EPISODE_OUT, E_EPISODE_TAKEN
+from rcss_hat.simulation.world import World
 
 Records = NDArray[np.void]
+ASK = -1
+"""No action: somebody outside the loop decides."""
 
 
-@njit
+@kernel
 def _log_episode(match: Records, control: Records, log: Records) -> None:
     k = control["logged"][0]
     log["episode"][k] = match["episode"][0] - 1
@@ -32,7 +50,7 @@ def _log_episode(match: Records, control: Records, log: Records) -> None:
     control["episodes"][0] += 1
 
 
-@njit
+@kernel
 def _log_frame(match: Records, control: Records, frames: Records) -> None:
     k = control["framed"][0]
     frames["time"][k] = match["time"][0]
@@ -57,166 +75,177 @@ def _log_frame(match: Records, control: Records, frames: Records) -> None:
     control["framed"][0] = k + 1
 
 
-@njit
-def _perceive(
-    match: Records,
-    params: Records,
-    types: Records,
-    streams: NDArray[np.uint64],
-    agents: Records,
-    seats: NDArray[np.int64],
-    landmarks: NDArray[np.uint8],
-    started: NDArray[np.uint8],
-    due: NDArray[np.uint8],
-    sense: Records,
-    heard: Records,
-    sees: Records,
-    has_see: NDArray[np.uint8],
-) -> None:
-    clock.sees_before_think(match, params, due)
-    for p in range(seats.shape[0]):
-        i = seats[p]
-        body.sense_body(match, params, types, i, sense)
-        hearing.hear_teammate(match, params, i, streams, heard)
-        see = sees[p : p + 1]
-        if due[i]:
-            vision.see(match, params, types, i, streams, landmarks, see)
-            has_see[p] = 1
-        players.perceive(agents[p : p + 1], params, sense, see, has_see[p] != 0, heard, started[p] != 0)
-        has_see[p] = 0
-        started[p] = 0
+@kernel
+def _see(world: World, team: Team, p: int) -> None:
+    """Write a player's see message, if he gets one in this half of the cycle."""
+    if team.due[team.seats[p]]:
+        see = team.sees[p : p + 1]
+        vision.see(world, team.seats[p], team.landmarks, False, see)
+        team.has_see[p] = 1
 
 
-@njit
-def run(
-    match: Records,
-    params: Records,
-    types: Records,
-    streams: NDArray[np.uint64],
-    agents: Records,
-    seats: NDArray[np.int64],
-    landmarks: NDArray[np.uint8],
-    started: NDArray[np.uint8],
-    due: NDArray[np.uint8],
-    sense: Records,
-    heard: Records,
-    sees: Records,
-    has_see: NDArray[np.uint8],
-    actions: Records,
-    state: NDArray[np.float64],
-    kind: int,
-    rules: Records,
-    has_rules: NDArray[np.uint8],
-    features: Records,
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    learners: Records,
-    method: Records,
-    policy_streams: NDArray[np.uint64],
-    control: Records,
-    episodes: Records,
-    decisions: Records,
-    states: NDArray[np.float64],
-    frames: Records,
-) -> int:
+@kernel
+def _perceive(world: World, team: Team) -> None:
+    clock.sees_before_think(world.match, world.params, team.due)
+    for p in range(team.seats.shape[0]):
+        i = team.seats[p]
+        body.sense_body(world, i, team.sense)
+        hearing.hear_teammate(world, i, team.heard)
+        _see(world, team, p)
+        agent, see = team.agents[p : p + 1], team.sees[p : p + 1]
+        players.perceive(agent, world.params, team.sense, see, team.has_see[p] != 0, team.heard, team.started[p] != 0)
+        team.has_see[p] = 0
+        team.started[p] = 0
+
+
+@kernel
+def _log_decision(world: World, control: Records, logs: Logs, choice: int, state: NDArray[np.float64]) -> None:
+    decisions, k = logs.decisions, control["decided"][0]
+    decisions["episode"][k] = world.match["episode"][0]
+    decisions["cycle"][k] = world.match["time"][0]
+    decisions["keeper"][k] = control["player"][0] + 1
+    decisions["status"][k] = control["status"][0]
+    decisions["reward"][k] = control["reward"][0]
+    decisions["action"][k] = choice
+    for v in range(state.shape[0]):
+        logs.states[k, v] = state[v]
+    control["decided"][0] = k + 1
+
+
+@kernel
+def _choose(world: World, team: Team, brains: Brains, control: Records, logs: Logs) -> int:
+    """Return what the keeper at hand does, or ASK when somebody outside the loop must say."""
+    p = control["player"][0]
+    if control["has_choice"][0]:
+        control["has_choice"][0] = 0
+        choice = control["choice"][0]
+    else:
+        agent = team.agents[p : p + 1]
+        point = players.decide(agent, team.state)
+        if point.ended:
+            finish(brains, p, point.final_reward)
+        control["status"][0], control["reward"][0] = point.status, point.reward
+        if point.status != players.FIRST and point.status != players.STEP:
+            return 0
+        if brains.kind == EXTERNAL:
+            return ASK
+        choice = choose(brains, p, point.status == players.FIRST, point.reward, team.state)
+    if control["log_decisions"][0]:
+        _log_decision(world, control, logs, choice, team.state)
+    return choice
+
+
+@kernel
+def _ordered(world: World, team: Team, control: Records) -> int:
+    """Return what the taker at hand does, or ASK when somebody outside the loop must say."""
+    p, orders = control["player"][0], team.orders
+    if not orders["outside"][p]:
+        return HAND_CODED
+    if control["has_choice"][0]:
+        control["has_choice"][0] = 0
+        orders["order"][p] = control["choice"][0]
+        orders["until"][p] = world.match["time"][0] + orders["lasts"][p]
+    elif world.match["time"][0] >= orders["until"][p]:
+        if taker_state_variables(team.agents[p : p + 1], team.taker_state):
+            return ASK
+        return HAND_CODED
+    return orders["order"][p]
+
+
+@kernel
+def _judge(world: World, team: Team, control: Records, logs: Logs) -> bool:
+    """Finish the step; tell whether an episode has ended."""
+    cycle.judge(world)
+    ended = world.match["events"][0] & (E_EPISODE_OUT | E_EPISODE_TAKEN) != 0
+    if ended:
+        _log_episode(world.match, control, logs.episodes)
+        team.started[:] = 1
+        team.orders["until"][:] = 0
+    if control["log_frames"][0]:
+        _log_frame(world.match, control, logs.frames)
+    return ended
+
+
+@kernel
+def _decide(world: World, team: Team, brains: Brains, control: Records, logs: Logs) -> bool:
+    """Let everybody decide who has not yet in this cycle; False when somebody outside must be asked first."""
+    while control["player"][0] < team.seats.shape[0]:
+        p = control["player"][0]
+        keeps = p < brains.keepers
+        choice = _choose(world, team, brains, control, logs) if keeps else _ordered(world, team, control)
+        if choice == ASK:
+            return False
+        players.act(team.agents[p : p + 1], world.params, control["status"][0], choice, team.actions[p : p + 1])
+        control["player"][0] = p + 1
+    return True
+
+
+@kernel
+def _command(world: World, team: Team) -> None:
+    for p in range(team.seats.shape[0]):
+        commands.act(world, team.seats[p], team.actions[p : p + 1])
+    clock.sees_after_think(world.match, world.params, team.due)
+    for p in range(team.seats.shape[0]):
+        _see(world, team, p)
+
+
+@kernel
+def _full(brains: Brains, control: Records, logs: Logs) -> bool:
+    """Tell whether some log may have no room for what the next cycle brings."""
+    return (
+        control["logged"][0] >= logs.episodes.shape[0]
+        or control["decided"][0] + brains.keepers > logs.decisions.shape[0]
+        or (control["log_frames"][0] and control["framed"][0] >= logs.frames.shape[0])
+    )
+
+
+@kernel
+def _enough(world: World, control: Records) -> bool:
+    if world.match["time"][0] >= control["stop_cycle"][0]:
+        return True
+    return control["episodes"][0] >= control["stop_episode"][0]
+
+
+@kernel
+def run(world: World, team: Team, brains: Brains, control: Records, logs: Logs) -> int:
     """Play until an episode, cycle or log limit, or until a policy outside the loop is asked.
+
+    Parameters
+    ----------
+    world : World
+    team : Team
+    brains : Brains
+    control : CONTROL, shape (1,)
+    logs : Logs
 
     Returns
     -------
     int
-        FINISHED, NEEDS_ACTION (answer in ``control["choice"]``, then call again) or LOG_FULL.
+        FINISHED, NEEDS_ACTION (``control["player"]`` asks: answer in ``control["choice"]``, set ``has_choice``, then
+        call again), BALL_STUCK (drop it, then call again), LOG_FULL or EPISODE_OVER.
     """
-    n_players = seats.shape[0]
-    n_keepers = weights.shape[0]
-    n_takers = n_players - n_keepers
     while True:
         phase = control["phase"][0]
         if phase == SIMULATE:
-            if control["logged"][0] >= episodes.shape[0] or control["decided"][0] + n_keepers > decisions.shape[0]:
+            if _full(brains, control, logs):
                 return LOG_FULL
-            if control["log_frames"][0] and control["framed"][0] >= frames.shape[0]:
-                return LOG_FULL
-            if match["time"][0] >= control["stop_cycle"][0] or control["episodes"][0] >= control["stop_episode"][0]:
+            if _enough(world, control):
                 return FINISHED
-            cycle.step(match, params, types, streams)
-            if match["events"][0] & (E_EPISODE_OUT | E_EPISODE_TAKEN):
-                _log_episode(match, control, episodes)
-                started[:] = 1
-            if control["log_frames"][0]:
-                _log_frame(match, control, frames)
+            control["phase"][0] = JUDGE
+            if cycle.play(world):
+                return BALL_STUCK
+        elif phase == JUDGE:
             control["phase"][0] = PERCEIVE
+            if _judge(world, team, control, logs) and team.pauses[0]:
+                return EPISODE_OVER
         elif phase == PERCEIVE:
-            _perceive(
-                match, params, types, streams, agents, seats, landmarks, started, due, sense, heard, sees, has_see
-            )  # fmt: skip
+            _perceive(world, team)
             control["player"][0] = 0
             control["phase"][0] = DECIDE
         elif phase == DECIDE:
-            while control["player"][0] < n_players:
-                p = control["player"][0]
-                agent = agents[p : p + 1]
-                choice = 0
-                if p < n_keepers:
-                    if control["has_choice"][0]:
-                        control["has_choice"][0] = 0
-                        status = control["status"][0]
-                        reward = control["reward"][0]
-                        choice = control["choice"][0]
-                    else:
-                        status = players.decide(agent, params, state)
-                        reward = agent["reward"][0]
-                        if agent["ended"][0]:
-                            finish(
-                                kind,
-                                features,
-                                table,
-                                weights[p],
-                                traces[p],
-                                learners[p : p + 1],
-                                agent["final_reward"][0],
-                            )
-                        if status == players.FIRST or status == players.STEP:
-                            if kind == EXTERNAL:
-                                control["status"][0] = status
-                                control["reward"][0] = reward
-                                return NEEDS_ACTION
-                            choice = choose(
-                                kind,
-                                n_keepers,
-                                n_takers,
-                                rules,
-                                has_rules,
-                                features,
-                                table,
-                                weights[p],
-                                traces[p],
-                                learners[p : p + 1],
-                                method,
-                                policy_streams[p],
-                                status == players.FIRST,
-                                reward,
-                                state,
-                            )
-                    if control["log_decisions"][0] and (status == players.FIRST or status == players.STEP):
-                        k = control["decided"][0]
-                        decisions["episode"][k] = match["episode"][0]
-                        decisions["cycle"][k] = match["time"][0]
-                        decisions["keeper"][k] = p + 1
-                        decisions["status"][k] = status
-                        decisions["reward"][k] = reward
-                        decisions["action"][k] = choice
-                        states[k, :] = state
-                        control["decided"][0] = k + 1
-                players.act(agent, params, choice, actions[p : p + 1])
-                control["player"][0] = p + 1
+            if not _decide(world, team, brains, control, logs):
+                return NEEDS_ACTION
             control["phase"][0] = COMMAND
         else:
-            for p in range(n_players):
-                commands.act(match, params, types, seats[p], actions[p : p + 1], streams[PHYSICS])
-            clock.sees_after_think(match, params, due)
-            for p in range(n_players):
-                if due[seats[p]]:
-                    vision.see(match, params, types, seats[p], streams, landmarks, sees[p : p + 1])
-                    has_see[p] = 1
+            _command(world, team)
             control["phase"][0] = SIMULATE

@@ -2,49 +2,77 @@
 
 from __future__ import annotations
 
-import asyncio
 import datetime
 import json
 import math
-import secrets
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from rcss_hat.cli.common import (
-    ARENA,
-    FAKE,
-    REAL,
-    Stage,
+    POLICIES,
+    Target,
+    deliver,
+    drawn,
     fail,
+    named_policy,
+    packed,
     plain_errors,
     progress_bar,
-    stage_text,
+    say,
     task_options,
-    tell_of_compilation,
+    typed_settings,
 )
-from rcss_hat.cli.person import demonstrate_by_hand, parse_actions
-from rcss_hat.cli.stages import own_server, server_pace
-from rcss_hat.keepaway.report import Episode, RunReport
+from rcss_hat.cli.person import Screen, parse_actions, play_by_hand
+from rcss_hat.cli.places import place_options, said_by_file, server_pace
+from rcss_hat.keepaway.report import INTERRUPTED, Episode, RunReport
 from rcss_hat.keepaway.task import Task
+from rcss_hat.stage.place import ARENA, FAKE, Place
+from rcss_hat.stage.terms import Terms
+from rcss_hat.system.files import NotWritten
 
 if TYPE_CHECKING:
     from rcss_hat.hat.demonstration_writer import DemonstrationWriter
+    from rcss_hat.hat.demonstrations import DemonstrationInfo
     from rcss_hat.hat.policy import TeamPolicy
+    from rcss_hat.stage.stages import Stage
+
+
+@dataclass(frozen=True)
+class Options:
+    """What ``demonstrate`` is told, beside the task and the place."""
+
+    teacher: str
+    browser: bool
+    terminal: bool
+    actions: str | None
+    speed: float
+    port: int
+    open_browser: bool
+    episodes: int
+    seed: int | None
+    out: Path
+    resume: bool
+    as_json: bool
+
+    @property
+    def person(self) -> bool:
+        """Whether a person demonstrates."""
+        return self.browser or self.terminal
 
 
 @click.command()
-@click.option(
-    "--on", "stage", type=Stage(FAKE, ARENA, REAL), default=None, help="Where to play.  [default: fake; people: arena]"
-)
+@place_options(None, "Where to play.  [default: fake; people: arena]")
 @click.option(
     "--teacher",
     default="hand",
     show_default=True,
-    help="hold, random, hand, a decision list, a run, or a scripted person: A, B, C, B-fast, B-limited.",
+    help=f"A scripted person: A, B, C, B-fast, B-limited; or {POLICIES}",
 )
 @click.option("--browser", is_flag=True, help="You demonstrate, in a browser.")
 @click.option("--terminal", is_flag=True, help="You demonstrate, in this terminal.")
@@ -60,33 +88,16 @@ if TYPE_CHECKING:
 @click.option("--open/--no-open", "open_browser", default=True, help="Open the page by itself.")
 @click.option("--episodes", type=click.IntRange(1), default=20, show_default=True, help="How many in all.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same demonstration (fake and arena).")
-@click.option(
-    "--out", type=click.Path(dir_okay=False, path_type=Path), required=True, help="The table, x.csv (and x.json)."
-)
+@click.option("--out", type=Target(), required=True, help="The table, x.csv (and x.json).")
 @click.option("--resume", is_flag=True, help="Go on with an existing file.")
-@click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @task_options
-def demonstrate(
-    task: Task,
-    stage: str | tuple[str, int] | None,
-    teacher: str,
-    browser: bool,
-    terminal: bool,
-    actions: str | None,
-    speed: float,
-    port: int,
-    open_browser: bool,
-    episodes: int,
-    seed: int | None,
-    out: Path,
-    resume: bool,
-    executable: str | None,
-    as_json: bool,
-) -> None:
+@packed(Options)
+def demonstrate(task: Task, place: Place | None, options: Options) -> None:
     """Record a teacher that controls the keeper with the ball: a policy, a scripted person, or you.
 
-    Every finished episode is on the disk before the next one ends; Ctrl-C keeps them all.
+    Every finished episode is on the disk before the next one ends; Ctrl-C keeps them all. A demonstration that is
+    resumed goes on with other matches, also with the same seed.
 
     \b
     Example:
@@ -96,141 +107,145 @@ def demonstrate(
       rcss-hat demonstrate --browser --on localhost:6000 --actions hold,pass1 --out mine.csv
       rcss-hat summarize demo.csv --out rules.json
     """
+    from rcss_hat.experiments.run_folder import session_seed
     from rcss_hat.hat.demonstration_writer import DemonstrationWriter
-    from rcss_hat.hat.demonstrations import DemonstrationInfo, DemonstrationSet
-    from rcss_hat.hat.teachers import STYLES
 
-    person = browser or terminal
-    stage = stage or (ARENA if person else FAKE)
-    name = "person" if person else teacher
-    if speed != 1.0 and not person:
-        raise click.UsageError("--speed is for people: give it with --browser or --terminal")
-    scripted = next((style for style in STYLES if style.lower() == teacher.lower()), None)
-    if scripted and not person and stage != ARENA:
-        raise click.UsageError(f"the scripted person {scripted} sees the whole field: use --on arena")
-    try:
-        allowed = parse_actions(actions, task.keepers)
-    except ValueError as error:
-        raise click.BadParameter(str(error), param_hint="--actions") from error
-    seed = secrets.randbelow(2**31) if seed is None else seed
-    policy = None if person or scripted else _policy(teacher, task, seed)
-    pace = {"synch_mode": False, **server_pace(stage, speed)} if person and stage != ARENA else {}
-    in_force = {} if isinstance(stage, tuple) else {**task.server_values(), **pace}
-    notes = f"played {speed:g} times as fast as real time" if speed != 1.0 else ""
-    today = datetime.date.today().isoformat()
-    info = DemonstrationInfo(name, stage_text(stage), task, in_force, seed, today, notes)
-    report = RunReport(stage_text(stage), name, "hand", task.size, task.field, task.vision, seed)
-    with plain_errors(ValueError, RuntimeError):
-        out.parent.mkdir(parents=True, exist_ok=True)
-        with (
-            DemonstrationWriter(out, info, resume) as writer,
-            progress_bar(f"{name} demonstrates", episodes, hide=as_json or person) as update,
-        ):
-            missing = episodes - len(writer.entries)
-            if missing <= 0:
-                click.echo(f"{out} already has {len(writer.entries)} episodes", err=True)
-            elif person:
-                server = own_server(task, seed, stage, executable, **pace) if stage != ARENA else None
-                demonstrate_by_hand(
-                    report, task, stage, seed, writer, episodes, speed, allowed, terminal, port, open_browser, server
-                )
-            elif scripted:
-                _scripted(task, scripted, seed + len(writer.entries), missing, writer, update)
-            elif policy is not None and stage == ARENA:
-                _in_arena(task, seed, policy, missing, writer, update)
-            elif policy is not None:
-                _over_udp(report, task, stage, seed, policy, missing, writer, update, executable)
-        recorded = DemonstrationSet.load(out)
-    if as_json:
-        summary = {**report.summary(), "out_file": str(out), "episodes": len(writer.entries)}
-        mean = None if math.isnan(writer.mean_duration) else round(writer.mean_duration, 4)
-        summary.update(decisions=writer.n_decisions, mean_s=mean)
-        click.echo(json.dumps(summary))
-    elif len(recorded):
-        click.echo(recorded.describe().to_text())
-    else:
-        click.echo("no episode was recorded")
-    if report.missed and not as_json:
+    place = place or Place(ARENA if options.person else FAKE)
+    lesson = _lesson(task, place, options)
+    wanted, hidden = options.episodes, options.as_json or options.person
+    with (
+        plain_errors(ValueError, RuntimeError),
+        DemonstrationWriter(options.out, lesson.info, options.resume) as writer,
+    ):
+        seed, teacher = session_seed(lesson.info.seed or 0, len(writer.entries)), lesson.info.teacher
+        report = RunReport.of(str(place), teacher, task, seed)
+        with progress_bar(f"{teacher} demonstrates", wanted, hide=hidden) as update:
+            if len(writer.entries) >= wanted:
+                say(f"{options.out} already has {len(writer.entries)} episodes")
+            else:
+                try:
+                    report = lesson.record(seed, writer, update)
+                finally:
+                    writer.remove_if_empty()
+                if not writer.entries:
+                    report.end_early("ended before the first episode was over")
+        text = _json(report, writer) if options.as_json else _described(options.out, writer)
+    deliver(text)
+    if report.missed and not options.as_json:
         cycles = report.cycles * (task.keepers + task.takers)
         share = 100.0 * report.missed / max(cycles, 1)
         click.echo(f"In {share:.1f} % of all cycles a player's command came too late for the server.", err=True)
-    if report.failure and not as_json:
-        fail(f"{report.failure} (the finished episodes are in {out})", report.exit_code)
+    if report.failure:
+        kept = f"{len(writer.entries)} of {wanted} episodes are in {options.out}; --resume goes on"
+        fail(f"{report.failure} ({kept if writer.entries else 'no episode was recorded'})")
     sys.exit(report.exit_code)
 
 
-def _policy(teacher: str, task: Task, seed: int) -> TeamPolicy:
-    from rcss_hat.hat.policy import PolicyError, load_policy
+def _lesson(task: Task, place: Place, options: Options) -> Lesson:
+    """Check what was asked for."""
+    from rcss_hat.hat.demonstrations import DemonstrationInfo
     from rcss_hat.hat.teachers import STYLES
 
+    if options.speed != 1.0 and not options.person:
+        raise click.UsageError("--speed is for people: give it with --browser or --terminal")
+    scripted = next((style for style in STYLES if style.lower() == options.teacher.lower()), None)
     try:
-        return load_policy(teacher, task.keepers, task.takers, seed)
-    except PolicyError as error:
-        raise click.BadParameter(
-            f"{error}; scripted persons are {', '.join(STYLES)}", param_hint="--teacher"
-        ) from error
+        allowed = parse_actions(options.actions, task.keepers)
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--actions") from error
+    seed = drawn(options.seed)
+    if not (options.person or scripted):
+        _policy(options.teacher, task, seed)
+    pace = server_pace(place, options.speed) if options.person else {}
+    terms = Terms(said_by_file(typed_settings()), say, pace=pace)
+    in_force = {} if place.address else {**task.server_values(), **pace}
+    notes = f"played {options.speed:g} times as fast as real time" if options.speed != 1.0 else ""
+    name, today = "person" if options.person else options.teacher, datetime.date.today().isoformat()
+    info = DemonstrationInfo(name, str(place), task, in_force, seed, today, notes)
+    return Lesson(task, place, options, info, terms, allowed, None if options.person else scripted)
 
 
-def _scripted(
-    task: Task, style: str, seed: int, episodes: int, writer: DemonstrationWriter, update: Callable[..., None]
-) -> None:
-    from rcss_hat.experiments.demonstrating import demonstrate as let_teach
+def _policy(teacher: str, task: Task, seed: int) -> TeamPolicy:
+    from rcss_hat.hat.teachers import STYLES
 
-    for demonstration in let_teach(task, style, episodes, seed):
-        for decision in demonstration.decisions:
-            writer.add(decision.cycle, decision.keeper, decision.state, decision.action)
-        episode = demonstration.episode
-        writer.end_episode(episode.start, episode.end, episode.reason)
-        update(len(writer.entries))
+    return named_policy(teacher, task, seed, "--teacher", f"; scripted persons are {', '.join(STYLES)}")
 
 
-def _in_arena(
-    task: Task, seed: int, policy: TeamPolicy, episodes: int, writer: DemonstrationWriter, update: Callable[..., None]
-) -> None:
-    from rcss_hat.arena.match import ArenaMatch
+@dataclass(frozen=True)
+class Lesson:
+    """Who teaches what, where; checked."""
 
-    tell_of_compilation("rcss_hat.arena.loop")
-    match = ArenaMatch(task, seed, policy, log_decisions=True)
-    pending: list[Any] = []
-    for finished in match.advance(episodes=episodes):
-        pending.extend(match.take_decisions())
-        for episode in finished:
-            for decision in pending:
-                if decision["episode"] == episode.number:
-                    writer.add(decision["cycle"], decision["keeper"], decision["state"], decision["action"])
-            writer.end_episode(episode.start, episode.end, episode.reason)
-            pending = [decision for decision in pending if decision["episode"] > episode.number]
-            update(len(writer.entries))
+    task: Task
+    place: Place
+    options: Options
+    info: DemonstrationInfo
+    terms: Terms
+    allowed: tuple[int, ...]
+    scripted: str | None
+
+    def record(self, seed: int, writer: DemonstrationWriter, update: Callable[..., None]) -> RunReport:
+        """Record what is missing; ``seed``: of this session's match."""
+        return self._by_hand(seed, writer) if self.options.person else self._by_policy(seed, writer, update)
+
+    def _by_hand(self, seed: int, writer: DemonstrationWriter) -> RunReport:
+        from rcss_hat.hat.policy import python_policy
+        from rcss_hat.viewer.controls import KeyChannel
+        from rcss_hat.viewer.demonstrator import Demonstrator
+
+        o = self.options
+        demonstrator = Demonstrator(KeyChannel(self.allowed), writer, o.episodes)
+        policy = python_policy(demonstrator.answer, self.task.keepers, self.task.takers, "person")
+        with self._stage(seed, policy) as stage, _early_end(stage.report):
+            play_by_hand(stage, demonstrator, Screen(o.speed, o.terminal, o.port, o.open_browser))
+        return stage.report
+
+    def _by_policy(self, seed: int, writer: DemonstrationWriter, update: Callable[..., None]) -> RunReport:
+        from rcss_hat.hat.recorder import Recorder
+        from rcss_hat.hat.teachers import teacher_policy
+        from rcss_hat.stage.stages import Part
+
+        recorder, missing = Recorder(writer), self.options.episodes - len(writer.entries)
+
+        def keep(episodes: Sequence[Episode], cycle: int) -> None:
+            for episode in episodes:
+                recorder.keep(episode)
+                update(len(writer.entries))
+
+        if self.scripted:
+            policy = teacher_policy(self.scripted, self.task.keepers, self.task.takers, seed)
+        else:
+            policy = _policy(self.options.teacher, self.task, seed)
+        with self._stage(seed, policy) as stage, _early_end(stage.report):
+            stage.play(Part(missing, None, keep, recorder.decided))
+        return stage.report
+
+    def _stage(self, seed: int, policy: TeamPolicy) -> Stage:
+        from rcss_hat.stage.stages import open_stage
+
+        try:
+            return open_stage(self.place, self.task, seed, policy, self.terms)
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
 
 
-def _over_udp(
-    report: RunReport,
-    task: Task,
-    stage: str | tuple[str, int],
-    seed: int,
-    policy: TeamPolicy,
-    episodes: int,
-    writer: DemonstrationWriter,
-    update: Callable[..., None],
-    executable: str | None,
-) -> None:
-    from rcss_hat.team.demonstration import DemonstrationRecorder
-    from rcss_hat.team.match import play
-
-    tell_of_compilation("rcss_hat.keepaway.agent")
-    policy.warm_up()
-    server = own_server(task, seed, stage, executable)
-    address = stage if isinstance(stage, tuple) else None
-    recorder = DemonstrationRecorder(writer, policy)
-
-    def ended(episode: Episode) -> None:
-        recorder.end_episode(episode)
-        update(len(writer.entries))
-
+@contextmanager
+def _early_end(report: RunReport) -> Iterator[None]:
+    """Take what ends a recording early as the report's failure."""
     try:
-        asyncio.run(play(report, task, seed, recorder, episodes, server, address, on_episode=ended))
+        yield
     except KeyboardInterrupt:
-        report.failure = report.failure or "interrupted"
-    finally:
-        if server is not None:
-            server.clean()
+        report.end_early(INTERRUPTED)
+    except NotWritten as problem:
+        report.end_early(problem)
+
+
+def _json(report: RunReport, writer: DemonstrationWriter) -> str:
+    mean = None if math.isnan(writer.mean_duration) else round(writer.mean_duration, 4)
+    summary = {**report.summary(), "out_file": str(writer.table), "episodes": len(writer.entries)}
+    return json.dumps({**summary, "decisions": writer.n_decisions, "mean_s": mean})
+
+
+def _described(out: Path, writer: DemonstrationWriter) -> str:
+    from rcss_hat.hat.demonstrations import DemonstrationSet
+
+    return DemonstrationSet.load(out).describe().to_text() if writer.entries else "no episode was recorded"

@@ -6,44 +6,50 @@ import json
 import os
 import shlex
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rcss_hat.cli.common import fail, plain_errors, progress_bar
+from rcss_hat.cli.common import INTERRUPTED, Target, deliver, packed, plain_errors, progress_bar, say
 
 if TYPE_CHECKING:
+    from rcss_hat.experiments.execution import Work
     from rcss_hat.experiments.experiment import Experiment
-    from rcss_hat.experiments.trial import Job
+
+
+@dataclass(frozen=True)
+class Options:
+    """What ``experiment`` is told, beside the study."""
+
+    out: Path | None
+    trials: int | None
+    hours: float | None
+    learner: str | None
+    only: tuple[str, ...]
+    jobs: int | None
+    dask: str | None
+    no_report: bool
+    as_json: bool
+    quiet: bool
 
 
 @click.command()
 @click.argument("study")
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Folder.  [default: results/STUDY]")
+@click.option("--out", type=Target(folder=True), help="Folder.  [default: results/STUDY]")
 @click.option("--trials", type=click.IntRange(1), default=None, help="Instead of those of the study.")
 @click.option("--hours", type=click.FloatRange(0, min_open=True), default=None, help="Instead of those of the study.")
 @click.option("--learner", metavar="PRESET|FILE", default=None, help="Instead of those of the study.")
 @click.option("--only", multiple=True, metavar="CONDITION", help="Some conditions only; repeatable.")
-@click.option("--jobs", type=click.IntRange(1), default=None, help="Trials at a time here.  [default: all cores]")
+@click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Trials at a time here.  [default: all cores]")
 @click.option("--dask", metavar="ADDRESS", default=None, help="Scheduler of a Dask cluster to run the trials on.")
 @click.option("--no-report", is_flag=True, help="Only run.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
-def experiment(
-    study: str,
-    out: Path | None,
-    trials: int | None,
-    hours: float | None,
-    learner: str | None,
-    only: tuple[str, ...],
-    jobs: int | None,
-    dask: str | None,
-    no_report: bool,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@packed(Options)
+def experiment(study: str, options: Options) -> None:
     """Run the trials of an experiment, in parallel and resumable, and write its report.
 
     STUDY is a study of the package (paper, methods, size-4v3, sets, rounds) or a TOML file of the same form.
@@ -57,55 +63,74 @@ def experiment(
     """
     from rcss_hat.experiments.execution import ClusterError, run_locally, run_on_cluster
     from rcss_hat.experiments.experiment import Experiment, ExperimentError
+    from rcss_hat.experiments.run_folder import TrainingError
     from rcss_hat.experiments.study import StudyError
-    from rcss_hat.experiments.training import TrainingError
+    from rcss_hat.inputs import FileFormatError
 
-    folder = out or Path("results") / Path(study).stem
-    processes = jobs or os.cpu_count() or 1
+    if not options.no_report:
+        import rcss_hat.experiments.reporting  # noqa: F401 (what it lacks is said now, not after hours of work)
+
+    folder = options.out or Path("results") / Path(study).stem
+    processes = options.jobs or os.cpu_count() or 1
     command = shlex.join(["rcss-hat", *sys.argv[1:]]) if sys.argv[1:2] == ["experiment"] else ""
-    try:
-        run = Experiment.create(study, folder, trials, hours, only, command, learner)
-    except StudyError as error:
-        raise click.UsageError(str(error)) from error
-    except ExperimentError as error:
-        fail(str(error))
+    with plain_errors(ExperimentError):
+        try:
+            run = Experiment.create(
+                study, folder, options.trials, options.hours, options.only, command, options.learner
+            )
+        except StudyError as error:
+            raise click.UsageError(str(error)) from error
 
-    def runner(work: Sequence[Job], folders: Sequence[Path]) -> Iterator[dict[str, Any]]:
-        return run_on_cluster(work, folders, dask) if dask else run_locally(work, folders, processes)
+    def runner(work: Work) -> Iterator[dict[str, Any]]:
+        return run_on_cluster(work, options.dask) if options.dask else run_locally(work, processes, say=say)
 
-    hidden = quiet or as_json
-    interrupted = False
-    with plain_errors(StudyError, ExperimentError, TrainingError, ClusterError):
+    hidden = options.quiet or options.as_json
+    stopped = None
+    with plain_errors(StudyError, ExperimentError, TrainingError, ClusterError, FileFormatError):
         try:
             with progress_bar("demonstration sets", len(run.used_sets()), "sets", hidden) as bar:
                 run.prepare_sets(processes, lambda ready, _: bar(ready))
             _run(run, runner, hidden)
         except KeyboardInterrupt:
-            interrupted = True
-        pages = [] if no_report else _report(run)
-    _tell(run, pages, as_json)
-    if interrupted:
-        fail(f"interrupted; the same command goes on: {run.n_trials - run.finished} trials are missing")
+            stopped = INTERRUPTED
+        except OSError as error:  # a full disk, for example: what has been finished is told and reported all the same
+            stopped = str(error)
+        place, pages = _report_of(run) if not options.no_report and run.finished else (None, [])
+        if stopped:
+            missing = run.n_trials - run.finished
+            click.echo(f"Error: {stopped}; the same command goes on: {missing} trials are missing", err=True)
+        text = json.dumps(_summary(run, pages)) if options.as_json else _told(run, pages)
+        deliver(text, (place, lambda _: _write_report(run)))
+    if stopped:
+        sys.exit(1)
+
+
+def _report_of(run: Experiment) -> tuple[Path, list[Path]]:
+    """Return where the report of an experiment goes, and its pages."""
+    from rcss_hat.experiments.document import pages_in
+    from rcss_hat.experiments.reporting import report_folder
+
+    return report_folder(run), pages_in(report_folder(run))
+
+
+def _write_report(run: Experiment) -> None:
+    from rcss_hat.experiments.reporting import write_report
+
+    write_report(run)
 
 
 def _run(run: Experiment, runner: Any, hidden: bool) -> None:
     done = run.finished
     with progress_bar(run.study.title, run.n_trials, "trials", hidden) as bar:
-        bar(done, "compiling" if done < run.n_trials else "")
+        bar(done)
         for result in run.run(runner):
             done += 1
             greedy = f", {result['greedy']['mean_s']:.1f} s" if result["greedy"] else ""
             bar(done, f"{result['condition']} {result['trial']}{greedy}")
 
 
-def _report(run: Experiment) -> list[Path]:
-    from rcss_hat.experiments.reporting import write_report
-
-    return write_report(run) if run.finished else []
-
-
-def _tell(run: Experiment, pages: list[Path], as_json: bool) -> None:
-    summary = {
+def _summary(run: Experiment, pages: list[Path]) -> dict[str, Any]:
+    return {
         "folder": str(run.folder),
         "study": run.study.title,
         "trials": run.n_trials,
@@ -113,17 +138,16 @@ def _tell(run: Experiment, pages: list[Path], as_json: bool) -> None:
         "seconds": run.info["seconds"],
         "report": [str(page) for page in pages],
     }
-    if as_json:
-        click.echo(json.dumps(summary))
-        return
-    click.echo(f"{run.study.title}: {run.finished} of {run.n_trials} trials in {run.folder}")
-    for page in pages:
-        click.echo(f"  {page}")
+
+
+def _told(run: Experiment, pages: list[Path]) -> str:
+    head = f"{run.study.title}: {run.finished} of {run.n_trials} trials in {run.folder}"
+    return "\n".join([head, *(f"  {page}" for page in pages)])
 
 
 @click.command()
 @click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="Where to.  [default: FOLDER/report]")
+@click.option("--out", type=Target(folder=True), help="Where to.  [default: FOLDER/report]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def report(folder: Path, out: Path | None, as_json: bool) -> None:
     """Write tables, statistics and figures of an experiment, finished or not.
@@ -135,21 +159,19 @@ def report(folder: Path, out: Path | None, as_json: bool) -> None:
       rcss-hat report results/paper
       rcss-hat report results/paper --out docs/results/paper
     """
+    from rcss_hat.experiments.document import pages_in
     from rcss_hat.experiments.experiment import Experiment, ExperimentError
-    from rcss_hat.experiments.reporting import write_report
+    from rcss_hat.experiments.reporting import report_folder, write_report
     from rcss_hat.experiments.results import Results
 
     with plain_errors(ExperimentError, ValueError):
         run = Experiment.open(folder)
-        pages = write_report(run, out)
+        if not run.finished:
+            raise ExperimentError(f"no trial in {folder} has ended yet")
+        place = out or report_folder(run)
+        pages = pages_in(place)
         verdicts = Results(run).verdicts()
-    if as_json:
         claims = [{"claim": v.claim.text, "verdict": v.verdict} for v in verdicts]
-        pages_text = [str(page) for page in pages]
-        click.echo(
-            json.dumps({"report": pages_text, "trials": run.n_trials, "finished": run.finished, "claims": claims})
-        )
-        return
-    _tell(run, pages, as_json=False)
-    for verdict in verdicts:
-        click.echo(f"  {verdict.verdict}: {verdict.claim.text}")
+        found = {"report": list(map(str, pages)), "trials": run.n_trials, "finished": run.finished, "claims": claims}
+        lines = [_told(run, pages), *(f"  {v.verdict}: {v.claim.text}" for v in verdicts)]
+        deliver(json.dumps(found) if as_json else "\n".join(lines), (place, lambda path: write_report(run, path)))

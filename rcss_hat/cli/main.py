@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import signal
-import sys
 from types import FrameType
 
 import click
@@ -26,13 +25,36 @@ COMMANDS = {
     "evaluate": ("rcss_hat.cli.train", "Play learned weights without learning."),
     "experiment": ("rcss_hat.cli.experiment", "Run the trials of an experiment, in parallel and resumable."),
     "report": ("rcss_hat.cli.experiment", "Tables, statistics and figures of an experiment."),
+    "compile": ("rcss_hat.cli.compile", "Compile all kernels ahead of time."),
     "watch": ("rcss_hat.cli.watch", "Watch a server, a match or a log in the browser."),
 }
 """Name to (module, one line of help); the module has a click command of that name."""
 
 
+EXTRAS = {
+    "aiohttp": ("the page", "web"),
+    "gymnasium": ("an environment", "envs"),
+    "jinja2": ("a report", "report"),
+    "matplotlib": ("a report", "report"),
+    "pettingzoo": ("an environment", "envs"),
+}
+"""Package that only some installations have: what needs it, and the extra that brings it."""
+
+
 class LazyGroup(click.Group):
     """Lists its commands without importing them, so that ``--help`` needs no compiler."""
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run a command; what is not installed for it is said with what would install it."""
+        try:
+            return super().invoke(ctx)
+        except ModuleNotFoundError as problem:
+            package = (problem.name or "").split(".")[0]
+            if package not in EXTRAS:
+                raise
+            what, extra = EXTRAS[package]
+            message = f"{what} needs {package}, which is not installed: pip install 'rcss-hat[{extra}]'"
+            raise click.ClickException(message) from problem
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order people use them."""
@@ -74,5 +96,11 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 def main() -> None:
     """Entry point of the console script; being terminated is the same as Ctrl-C, so that nothing is left half done."""
+    from rcss_hat.cli.common import fail, silence_stdout
+
     signal.signal(signal.SIGTERM, _interrupt)
-    sys.exit(cli(prog_name="rcss-hat"))
+    try:
+        cli(prog_name="rcss-hat")
+    except OSError as problem:  # nothing that can be printed, or read, or written ends in a traceback
+        silence_stdout()
+        fail(str(problem))

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import click
 
-from rcss_hat.cli.common import ARENA, tell_of_compilation
-from rcss_hat.keepaway.report import RunReport
-from rcss_hat.keepaway.task import Task
-
 if TYPE_CHECKING:
-    from rcss_hat.hat.demonstration_writer import DemonstrationWriter
-    from rcss_hat.team.servers import ServerProcess
+    from rcss_hat.stage.stages import Stage
     from rcss_hat.viewer.audience import Audience, Source
-    from rcss_hat.viewer.demonstration import Demonstration
+    from rcss_hat.viewer.demonstrator import Demonstrator
 
 ACTION_NAMES = {"hold": 0, **{f"pass{k}": k for k in range(1, 11)}}
 TITLE = "demonstration"
@@ -42,46 +38,31 @@ def parse_actions(text: str | None, keepers: int) -> tuple[int, ...]:
     return tuple(ACTION_NAMES[name] for name in names)
 
 
-def demonstrate_by_hand(
-    report: RunReport,
-    task: Task,
-    stage: str | tuple[str, int],
-    seed: int,
-    writer: DemonstrationWriter,
-    episodes: int,
-    speed: float,
-    actions: tuple[int, ...],
-    terminal: bool,
-    port: int,
-    open_browser: bool,
-    server: ServerProcess | None,
-) -> None:
-    """Let a person play until the file holds ``episodes`` episodes, or the person stops."""
-    from rcss_hat.viewer.controls import KeyChannel
-    from rcss_hat.viewer.demonstration import Demonstration
+@dataclass(frozen=True)
+class Screen:
+    """What a person plays on, and how fast."""
 
-    demonstration = Demonstration(KeyChannel(actions), writer, episodes)
+    speed: float
+    terminal: bool
+    port: int
+    open_browser: bool
+
+
+def play_by_hand(stage: Stage, demonstrator: Demonstrator, screen: Screen) -> None:
+    """Let a person play until enough episodes are recorded, or the person stops."""
+    from rcss_hat.viewer.stage_game import StageGame
+
     try:
-        with suppress(KeyboardInterrupt):
-            if stage == ARENA:
-                source = _arena(task, seed, demonstration, speed)
-                asyncio.run(_show(source, demonstration, terminal, port, open_browser))
-            else:
-                asyncio.run(_on_server(report, task, stage, seed, demonstration, terminal, port, open_browser, server))
+        if stage.waits:
+            game = StageGame(stage, demonstrator, screen.speed, COUNTDOWN)
+            asyncio.run(_show(game, demonstrator, screen))
+        else:
+            asyncio.run(_beside_server(stage, demonstrator, screen))
+    except KeyboardInterrupt:
+        if not demonstrator.finished:
+            raise
     finally:
-        demonstration.close()
-        if server is not None:
-            server.clean()
-
-
-def _arena(task: Task, seed: int, demonstration: Demonstration, speed: float) -> Source:
-    from rcss_hat.hat.brains import EXTERNAL, fixed_brains
-    from rcss_hat.hat.policy import TeamPolicy
-    from rcss_hat.viewer.arena_game import ArenaGame
-
-    brains = fixed_brains(EXTERNAL, task.keepers, seed)
-    policy = TeamPolicy("person", brains, task.keepers, task.takers)
-    return ArenaGame(task, seed, policy, demonstration, speed, COUNTDOWN)
+        demonstrator.close()
 
 
 class _OnceThere:
@@ -100,33 +81,23 @@ class _OnceThere:
         await self._source.run(audience)
 
 
-async def _on_server(
-    report: RunReport,
-    task: Task,
-    stage: str | tuple[str, int],
-    seed: int,
-    demonstration: Demonstration,
-    terminal: bool,
-    port: int,
-    open_browser: bool,
-    server: ServerProcess | None,
-) -> None:
-    from rcss_hat.team.match import play
+async def _beside_server(stage: Stage, demonstrator: Demonstrator, screen: Screen) -> None:
+    """Show the server's match and play in it, from when the person is there."""
+    from rcss_hat.stage.stages import Part
     from rcss_hat.viewer.live import MonitorSource
 
-    tell_of_compilation("rcss_hat.keepaway.agent")
-    address = stage if isinstance(stage, tuple) else None
-    host, udp_port = address or (server.host, server.port)  # type: ignore[union-attr]
+    assert stage.address is not None
     there = asyncio.Event()
-    demonstration.on_arrival = there.set
-    source = _OnceThere(MonitorSource(host, udp_port, demonstration.insight, TITLE, patience=180.0), there)
+    demonstrator.on_arrival = there.set
+    source = _OnceThere(MonitorSource(*stage.address, demonstrator.insight, TITLE, patience=180.0), there)
 
     async def play_once_there() -> None:
         await there.wait()
-        await play(report, task, seed, demonstration, 10**9, server, address)
+        # Until the person has enough; that others end the match is a failure.
+        await stage.run(Part(10**9, None, demonstrator.ended, demonstrator.decided))
 
     playing = asyncio.create_task(play_once_there())
-    showing = asyncio.create_task(_show(source, demonstration, terminal, port, open_browser))
+    showing = asyncio.create_task(_show(source, demonstrator, screen))
     try:
         await asyncio.wait({playing, showing}, return_when=asyncio.FIRST_COMPLETED)
     finally:
@@ -134,23 +105,22 @@ async def _on_server(
             work.cancel()
             with suppress(asyncio.CancelledError):
                 await work
-    if demonstration.finished and report.failure == "interrupted":
-        report.failure = None
+    if demonstrator.finished:
+        stage.report.stopped_on_purpose()
 
 
-async def _show(source: Source, demonstration: Demonstration, terminal: bool, port: int, open_browser: bool) -> None:
+async def _show(source: Source, demonstrator: Demonstrator, screen: Screen) -> None:
     over = asyncio.Event()
-    demonstration.on_finished = over.set
-    if terminal:
+    demonstrator.on_finished = over.set
+    if screen.terminal:
         from rcss_hat.viewer.terminal import Terminal
 
-        demonstration.person(True)
-        screen = asyncio.create_task(Terminal(source, demonstration).run())
-        await _until(over, screen)
+        demonstrator.person(True)
+        await _until(over, asyncio.create_task(Terminal(source, demonstrator).run()))
         return
     from rcss_hat.viewer.server import serve
 
-    async with await serve(source, demonstration, port=port, open_browser=open_browser) as viewer:
+    async with await serve(source, demonstrator, port=screen.port, open_browser=screen.open_browser) as viewer:
         click.echo(f"Demonstrate at {viewer.url}", err=True)
         click.echo("Play begins when the page is open. Ctrl-C ends; finished episodes are kept.", err=True)
         await _until(over, asyncio.create_task(viewer.wait()))

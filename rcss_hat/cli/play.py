@@ -2,62 +2,65 @@
 
 from __future__ import annotations
 
-import secrets
 import sys
-import time
-from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from rcss_hat.cli.common import (
-    ARENA,
-    FAKE,
-    REAL,
+    POLICIES,
     SERVER,
     TRAINER,
-    Stage,
+    Target,
+    deliver,
+    drawn,
+    named_policy,
+    named_takers,
+    packed,
     plain_errors,
     progress_bar,
-    stage_text,
+    say,
+    shown,
     task_options,
+    typed_settings,
 )
-from rcss_hat.keepaway.report import RunReport, kwy_text
+from rcss_hat.cli.places import place_options
 from rcss_hat.keepaway.task import Task
+from rcss_hat.stage.place import FAKE, Place
+from rcss_hat.system.files import write_text
 
 
-def _play_matches(
-    report: RunReport, task: Task, matches: int, episodes: int, jobs: int, update: Callable[[int], None]
-) -> None:
-    """Play a batch in the arena; the report's episodes are in the order of the matches."""
-    from rcss_hat.arena.batch import MatchResult, play_batch
+@dataclass(frozen=True)
+class Options:
+    """What ``play`` is told, beside the task and the place."""
 
-    begun = time.monotonic()
-    finished: list[MatchResult] = []
-    assert report.seed is not None
-    try:
-        for result in play_batch(task, report.keepers, report.seed, matches, episodes, jobs):
-            finished.append(result)
-            update(len(finished) * episodes)
-    except KeyboardInterrupt:
-        report.failure = "interrupted"
-    for result in sorted(finished, key=lambda result: result.number):
-        report.episodes += result.episodes
-        report.cycles += result.cycles
-    report.wall_s = time.monotonic() - begun
+    keepers: str
+    takers: str
+    episodes: int
+    seed: int | None
+    matches: int
+    jobs: int
+    kwy: Path | None
+    processes: bool
+    referee: str
+    coach_port: int | None
+    as_json: bool
+    quiet: bool
 
 
 @click.command()
-@click.option("--on", "stage", type=Stage(FAKE, ARENA, REAL), default=FAKE, show_default=True, help="Where to play.")
-@click.option("--keepers", default="hand", show_default=True, help="hold, random, hand, a decision list, or a run.")
-@click.option("--takers", type=click.Choice(["hand"]), default="hand", show_default=True, help="Policy of the takers.")
+@place_options(FAKE)
+@click.option("--keepers", default="hand", show_default=True, help=POLICIES)
+@click.option(
+    "--takers", default="hand", show_default=True, help="hand, or a function of (state, info): module:object."
+)
 @click.option("--episodes", type=click.IntRange(1), default=100, show_default=True, help="Stop after so many.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same match (fake and arena).")
 @click.option("--matches", type=click.IntRange(1), default=1, show_default=True, help="Arena: so many matches.")
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Arena: matches at a time.")
-@click.option("--kwy", type=click.Path(dir_okay=False, path_type=Path), help="Write the Keepaway log there.")
+@click.option("--kwy", type=Target(), help="Write the Keepaway log there.")
 @click.option("--processes", is_flag=True, help="One process per player instead of one for all.")
-@click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
 @click.option(
     "--referee",
     type=click.Choice([SERVER, TRAINER]),
@@ -74,23 +77,8 @@ def _play_matches(
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
 @task_options
-def play(
-    task: Task,
-    stage: str | tuple[str, int],
-    keepers: str,
-    takers: str,
-    episodes: int,
-    seed: int | None,
-    matches: int,
-    jobs: int,
-    kwy: Path | None,
-    processes: bool,
-    executable: str | None,
-    referee: str,
-    coach_port: int | None,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@packed(Options)
+def play(task: Task, place: Place, options: Options) -> None:
     """Play Keepaway with both teams and report the episodes.
 
     \b
@@ -100,37 +88,26 @@ def play(
       rcss-hat play --on arena --keepers hand --matches 50 --episodes 100 --jobs 2 --seed 1
       rcss-hat play --on localhost:6000 --referee trainer   # a server with server::coach=1
     """
-    from rcss_hat.cli.stages import play_in_processes_on_stage, play_on_stage
-    from rcss_hat.hat.policy import PolicyError, load_policy
+    from rcss_hat.stage.stages import Part, open_stage
+    from rcss_hat.stage.terms import Terms
 
-    if referee == TRAINER and stage == ARENA:
-        raise click.UsageError("a trainer referees on a server, not in the arena")
-    if matches > 1 and (stage != ARENA or kwy is not None):
-        raise click.UsageError("--matches plays in the arena, and a Keepaway log holds one match")
-    if seed is None:
-        seed = secrets.randbelow(2**31)
-    try:
-        policy = load_policy(keepers, task.keepers, task.takers, seed)
-    except PolicyError as error:
-        raise click.BadParameter(str(error), param_hint="--keepers") from error
-    report = RunReport(stage_text(stage), keepers, takers, task.size, task.field, task.vision, seed)
-    with (
-        progress_bar(f"{keepers} on {report.stage}", episodes * matches, hide=quiet or as_json) as update,
-        plain_errors(RuntimeError),
-    ):
-
-        def show(finished: int, cycle: int) -> None:
-            update(finished)
-
-        trainer = None if referee == SERVER else coach_port or 0
-        if matches > 1:
-            _play_matches(report, task, matches, episodes, jobs, update)
-        elif processes and stage != ARENA:
-            play_in_processes_on_stage(report, task, seed, policy, stage, episodes, executable, show, trainer)
-        else:
-            play_on_stage(report, task, seed, policy, stage, episodes, executable, show, trainer)
-    if kwy is not None:
-        kwy.parent.mkdir(parents=True, exist_ok=True)
-        kwy.write_text(kwy_text(report.episodes, task.keepers, task.takers, task.length, task.width))
-    click.echo(report.to_json() if as_json else report.to_text())
+    if options.matches > 1 and options.kwy is not None:
+        raise click.UsageError("a Keepaway log holds one match, --matches plays many")
+    seed, n = drawn(options.seed), options.episodes
+    policy = named_policy(options.keepers, task, seed, "--keepers")
+    orders = named_takers(options.takers, task, seed, "--takers")
+    trainer = None if options.referee == SERVER else options.coach_port or 0
+    terms = Terms(typed_settings(), say, trainer=trainer, processes=options.processes, orders=orders)
+    label, hidden = f"{options.keepers} on {place}", options.quiet or options.as_json
+    with plain_errors(RuntimeError), progress_bar(label, n * options.matches, hide=hidden) as update:
+        try:
+            with open_stage(place, task, seed, policy, terms) as stage:
+                if options.matches > 1:
+                    report = stage.play_matches(options.matches, options.jobs, n, lambda ended: update(ended * n))
+                else:
+                    report = stage.play(Part(n, on_episodes=shown(update)))
+        except ValueError as error:
+            raise click.UsageError(str(error)) from error
+    text = report.to_json() if options.as_json else report.to_text()
+    deliver(text, (options.kwy, lambda path: write_text(path, report.kwy_text())))
     sys.exit(report.exit_code)

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import click
 
-from rcss_hat.cli.common import plain_errors
+from rcss_hat.cli.common import Target, deliver, plain_errors
 from rcss_hat.cli.sets import load_demonstrations
 
 
 @click.command()
 @click.argument("demonstrations", nargs=-1, required=True, metavar="DEMONSTRATIONS...")
-@click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="Write the decision list (.json or .txt).")
+@click.option("--out", type=Target(), help="Write the decision list (.json or .txt).")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the rule learner.")
-@click.option("--arff", type=click.Path(dir_okay=False, path_type=Path), help="Export the decisions for Weka.")
+@click.option("--arff", type=Target(), help="Export the decisions for Weka.")
 @click.option("--describe", is_flag=True, help="Describe the demonstrations as well.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 def summarize(
@@ -37,14 +37,6 @@ def summarize(
         sets = [load_demonstrations(source) for source in demonstrations]
         pooled = sets[0] if len(sets) == 1 else combine(sets)
         summary = learn(pooled, seed)
-        if out is not None:
-            out.parent.mkdir(parents=True, exist_ok=True)
-            summary.decision_list.save(out)
-        if arff is not None:
-            pooled.to_arff(arff)
-    if as_json:
-        click.echo(json.dumps(summary.to_dict()))
-        return
-    if describe:
-        click.echo(pooled.describe().to_text() + "\n")
-    click.echo(summary.to_text())
+    described = pooled.describe().to_text() + "\n\n" if describe else ""
+    text = json.dumps(summary.to_dict()) if as_json else described + summary.to_text()
+    deliver(text, (out, summary.decision_list.save), (arff, pooled.to_arff))

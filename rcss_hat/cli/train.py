@@ -5,11 +5,10 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-import secrets
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,26 +16,33 @@ import click
 from click.core import ParameterSource
 
 from rcss_hat.cli.common import (
-    ARENA,
-    FAKE,
     INTERRUPTED,
-    REAL,
-    Stage,
+    Target,
+    deliver,
+    drawn,
     fail,
+    packed,
     plain_errors,
     progress_bar,
-    stage_text,
+    say,
+    shown,
     task_options,
 )
-from rcss_hat.keepaway.report import RunReport
+from rcss_hat.cli.places import place_options
+from rcss_hat.hat.registry import METHODS
+from rcss_hat.keepaway.conditions import SETTINGS
 from rcss_hat.keepaway.task import Task
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.system.files import NotWritten, append
 
 if TYPE_CHECKING:
-    from rcss_hat.experiments.training import RunConfig, TrainingRun
+    from rcss_hat.experiments.run_folder import RunConfig
+    from rcss_hat.experiments.training import TrainingRun
     from rcss_hat.hat.decision_list import DecisionList
     from rcss_hat.hat.transfer import Decisions
+    from rcss_hat.stage.terms import Terms
 
-METHODS = ("none", "no-prior", "value-bonus", "extra-action", "ppr", "chat", "replay")
+METHOD_NAMES = ("none", *METHODS)
 """``none`` is another word for ``no-prior``."""
 RESTART_S = 60.0
 """How long a server that went away may take to come back."""
@@ -54,7 +60,8 @@ class Settings:
     @classmethod
     def parse(cls, items: tuple[str, ...]) -> Settings:
         """Read ``learner.epsilon=0.05`` and ``method.decay=0.99``; values are written as in TOML."""
-        import tomllib
+        from rcss_hat.inputs import FileFormatError
+        from rcss_hat.schema import parse_toml
 
         settings = cls({}, {})
         for item in items:
@@ -65,48 +72,49 @@ class Settings:
                     f"{item!r} is not of the form learner.NAME=VALUE or method.NAME=VALUE", param_hint="--set"
                 )
             try:
-                number = tomllib.loads(f"value = {value.strip()}")["value"]
-            except tomllib.TOMLDecodeError:
+                number = parse_toml(f"value = {value.strip()}")["value"]
+            except FileFormatError:
                 number = value.strip()
             (settings.learner if group == "learner" else settings.method)[key] = number
         return settings
 
 
+@dataclass(frozen=True)
+class TrainOptions:
+    """What ``train`` is told, beside the task and the place."""
+
+    method: str
+    rules: Path | None
+    demonstrations: Path | None
+    hours: float
+    learner: str
+    changes: tuple[str, ...]
+    seed: int | None
+    out: Path
+    resume: bool
+    as_json: bool
+    quiet: bool
+
+
 @click.command()
-@click.option("--method", type=click.Choice(METHODS), default="none", show_default=True, help="Transfer method.")
+@click.option("--method", type=click.Choice(METHOD_NAMES), default="none", show_default=True, help="Transfer method.")
 @click.option("--rules", type=click.Path(dir_okay=False, path_type=Path), help="Decision list: the advice.")
 @click.option("--demonstrations", type=click.Path(dir_okay=False, path_type=Path), help="Demonstrations to replay.")
 @click.option("--hours", type=click.FloatRange(0, min_open=True), default=30.0, show_default=True, help="Simulated.")
-@click.option("--on", "stage", type=Stage(ARENA, FAKE, REAL), default=ARENA, show_default=True, help="Where to play.")
+@place_options(ARENA)
 @click.option(
     "--learner", default="paper", show_default=True, help="Preset (paper, printed, cmac, best) or a .toml file."
 )
 @click.option("--set", "changes", multiple=True, metavar="GROUP.NAME=VALUE", help="E.g. learner.epsilon=0.05.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same run (arena).")
-@click.option("--out", type=click.Path(file_okay=False, path_type=Path), required=True, help="Folder of the run.")
+@click.option("--out", type=Target(folder=True), required=True, help="Folder of the run.")
 @click.option("--resume", is_flag=True, help="Go on with the run in --out.")
-@click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
 @task_options
 @click.pass_context
-def train(
-    context: click.Context,
-    task: Task,
-    method: str,
-    rules: Path | None,
-    demonstrations: Path | None,
-    hours: float,
-    stage: str | tuple[str, int],
-    learner: str,
-    changes: tuple[str, ...],
-    seed: int | None,
-    out: Path,
-    resume: bool,
-    executable: str | None,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@packed(TrainOptions)
+def train(context: click.Context, task: Task, place: Place, options: TrainOptions) -> None:
     """Learn by Sarsa, alone or with a transfer method.
 
     The folder holds the weights, the settings and a log of all episodes (episodes.csv). A run that was stopped, by
@@ -119,28 +127,32 @@ def train(
       rcss-hat train --resume --out runs/ppr
       rcss-hat evaluate runs/ppr --episodes 1000
     """
-    from rcss_hat.experiments.training import TrainingError, TrainingRun
+    from rcss_hat.experiments.run_folder import TrainingError
+    from rcss_hat.experiments.training import TrainingRun
 
     with plain_errors(TrainingError):
-        if resume:
+        if options.resume:
             _refuse_settings(context)
-            run = TrainingRun.open(out)
+            run = TrainingRun.open(options.out)
             if context.get_parameter_source("hours") is ParameterSource.COMMANDLINE:
-                run.extend(hours)
+                run.extend(options.hours)
         else:
-            if seed is None:
-                seed = secrets.randbelow(2**31)
-            config = _configuration(task, method, rules, demonstrations, hours, stage, learner, changes, seed)
-            run = TrainingRun.create(out, config, _rules(rules, task), _decisions(demonstrations))
+            config = _configuration(task, place, options)
+            run = TrainingRun.create(
+                options.out, config, _rules(options.rules, task), _decisions(options.demonstrations)
+            )
         started, before = time.monotonic(), run.cycles
         label = f"{run.config.method.name} on {run.config.stage}"
-        with progress_bar(label, run.config.hours, "h", quiet or as_json) as bar:
-            failure = _train_on_stage(run, _show(bar), executable)
+        with progress_bar(label, run.config.hours, "h", options.quiet or options.as_json) as bar:
+            try:
+                failure = _train(run, _show(bar), place.executable)
+            except NotWritten as problem:
+                failure = str(problem)
         wall = time.monotonic() - started
     summary = _summary(run, run.cycles - before, wall, failure)
-    click.echo(json.dumps(summary) if as_json else _summary_text(run, summary))
-    if not run.done:
-        again = f"go on with: rcss-hat train --resume --out {out}"
+    deliver(json.dumps(summary) if options.as_json else _summary_text(run, summary))
+    if not run.done or failure:
+        again = f"go on with: rcss-hat train --resume --out {options.out}"
         fail(f"ended at {run.hours:.2f} of {run.config.hours:g} h: {failure or 'interrupted'}; {again}")
 
 
@@ -148,35 +160,26 @@ def _refuse_settings(context: click.Context) -> None:
     for name in context.params:
         given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if given and name not in WHEN_RESUMING:
-            option = {"stage": "on", "changes": "set", "region": "field"}.get(name, name)
+            option = {"place": "on", "changes": "set", "region": "field"}.get(name, name)
             raise click.UsageError(f"--{option} cannot be given with --resume: it comes from the folder of the run")
 
 
-def _configuration(
-    task: Task,
-    method: str,
-    rules: Path | None,
-    demonstrations: Path | None,
-    hours: float,
-    stage: str | tuple[str, int],
-    learner: str,
-    changes: tuple[str, ...],
-    seed: int,
-) -> RunConfig:
-    from rcss_hat.experiments.training import RunConfig
+def _configuration(task: Task, place: Place, options: TrainOptions) -> RunConfig:
+    from rcss_hat.experiments.run_folder import RunConfig
     from rcss_hat.hat.transfer import make_method
     from rcss_hat.learning.config import LearnerConfig, load_config
 
-    settings = Settings.parse(changes)
+    settings, method = Settings.parse(options.changes), options.method
+    rules, demonstrations = options.rules, options.demonstrations
     try:
-        base = load_config(learner)
+        base = load_config(options.learner)
         config = RunConfig(
             task=task,
             learner=LearnerConfig.from_dict({**base.to_dict(), **settings.learner}),
             method=make_method("no-prior" if method == "none" else method, settings.method),
-            seed=seed,
-            hours=hours,
-            stage=stage_text(stage),
+            seed=drawn(options.seed),
+            hours=options.hours,
+            stage=str(place),
             source=str(rules or demonstrations or ""),
         )
         config.learner.build(task.keepers, task.takers)
@@ -186,15 +189,15 @@ def _configuration(
         raise click.UsageError(f"--method {method} needs --rules")
     if not config.method.needs_advice and rules is not None:
         raise click.UsageError(f"--method {method} uses no --rules")
-    if bool(config.method.replay_passes) != (demonstrations is not None):
-        needs = "needs" if config.method.replay_passes else "uses no"
+    if config.method.needs_decisions != (demonstrations is not None):
+        needs = "needs" if config.method.needs_decisions else "uses no"
         raise click.UsageError(f"--method {method} {needs} --demonstrations")
     return config
 
 
 def _rules(path: Path | None, task: Task) -> DecisionList | None:
     from rcss_hat.hat.decision_list import DecisionList
-    from rcss_hat.hat.files import FileFormatError
+    from rcss_hat.inputs import FileFormatError
 
     if path is None:
         return None
@@ -206,8 +209,8 @@ def _rules(path: Path | None, task: Task) -> DecisionList | None:
 
 def _decisions(path: Path | None) -> Decisions | None:
     from rcss_hat.hat.demonstrations import DemonstrationSet
-    from rcss_hat.hat.files import FileFormatError
     from rcss_hat.hat.transfer import Decisions
+    from rcss_hat.inputs import FileFormatError
 
     if path is None:
         return None
@@ -219,12 +222,12 @@ def _decisions(path: Path | None) -> Decisions | None:
 
 def _show(bar: Callable[..., None]) -> Callable[[TrainingRun], None]:
     """Make a function that shows where a run is: simulated hours, windowed mean, cycles per second."""
-    started, first = time.monotonic(), -1
+    started, first = 0.0, -1
 
     def show(run: TrainingRun) -> None:
-        nonlocal first
+        nonlocal started, first
         if first < 0:
-            first = run.cycles
+            started, first = time.monotonic(), run.cycles
         wall = time.monotonic() - started
         speed = f", {(run.cycles - first) / wall:,.0f} cycles/s" if wall > 0 and run.cycles > first else ""
         bar(run.hours, f"{run.episodes} episodes, last {len(run.recent)}: {run.windowed_mean:.2f} s{speed}")
@@ -232,64 +235,38 @@ def _show(bar: Callable[..., None]) -> Callable[[TrainingRun], None]:
     return show
 
 
-def _train_on_stage(run: TrainingRun, show: Callable[[TrainingRun], None], executable: str | None) -> str | None:
+def _train(run: TrainingRun, show: Callable[[TrainingRun], None], executable: str | None) -> str | None:
     """Train until done, Ctrl-C or failure; return what ended it early."""
-    from rcss_hat.experiments.training import interrupt_flag
-
+    place = replace(run.place, executable=executable)
     show(run)
-    if run.config.stage == ARENA:
-        with interrupt_flag() as interrupted:
-            return None if run.train(show, interrupted) else INTERRUPTED
     while not run.done:
         before = run.cycles
-        failure = _train_over_udp(run, show, executable)
-        if failure is None or failure == INTERRUPTED or run.cycles == before or not _is_back(run, failure):
+        if run.train(show, place=place, terms=_terms(run.config.task)):
+            break
+        failure = run.failure
+        if failure is None or failure == INTERRUPTED or run.cycles == before or not _is_back(place, failure):
             return failure
     return None
 
 
-def _is_back(run: TrainingRun, failure: str) -> bool:
+def _is_back(place: Place, failure: str) -> bool:
     """Wait for a server that somebody else runs and perhaps restarts; false when it stays away."""
-    from rcss_hat.team.servers import answers
+    from rcss_hat.stage.servers import answers
 
-    address = Stage(FAKE, REAL).convert(run.config.stage, None, None)
-    if not isinstance(address, tuple):
+    if place.address is None:
         return False
-    click.echo(f"{failure}; waiting up to {RESTART_S:.0f} s for a server at {run.config.stage} ...", err=True)
+    say(f"{failure}; waiting up to {RESTART_S:.0f} s for a server at {place} ...")
     try:
-        return asyncio.run(answers(*address, RESTART_S))
+        return asyncio.run(answers(*place.address, RESTART_S))
     except KeyboardInterrupt:
         return False
 
 
-def _train_over_udp(run: TrainingRun, show: Callable[[TrainingRun], None], executable: str | None) -> str | None:
-    from rcss_hat.cli.stages import play_over_udp
-    from rcss_hat.experiments.training import CHECKPOINT_S
-    from rcss_hat.keepaway.report import UNKNOWN, Episode
+def _terms(task: Task) -> Terms:
+    """Return what a server must play that a run is to use: the run's folder says what was trained for."""
+    from rcss_hat.stage.terms import Terms
 
-    task, config = run.config.task, run.config
-    stage = Stage(FAKE, REAL).convert(config.stage, None, None)
-    seed = run.begin_session()
-    begun, last_end, saved = run.cycles, 0, time.monotonic()
-
-    def ended(number: int, cycle: int) -> bool:
-        nonlocal last_end, saved
-        run.record([Episode(number, last_end, cycle, UNKNOWN)])
-        last_end = cycle
-        show(run)
-        if time.monotonic() - saved >= CHECKPOINT_S:
-            run.checkpoint()
-            saved = time.monotonic()
-        return run.done
-
-    report = RunReport(config.stage, config.method.name, "hand", task.size, task.field, task.vision, seed)
-    try:
-        play_over_udp(report, task, seed, run.policy, stage, ended, executable=executable)
-    finally:
-        run.settle(report.episodes)
-        run.cycles = max(run.cycles, begun + report.cycles)
-        run.checkpoint()
-    return report.failure
+    return Terms(SETTINGS if task.profile != Task().profile else SETTINGS - {"profile"}, say)
 
 
 def _summary(run: TrainingRun, cycles: int, wall: float, failure: str | None) -> dict[str, Any]:
@@ -329,25 +306,27 @@ def _summary_text(run: TrainingRun, summary: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
+@dataclass(frozen=True)
+class EvaluateOptions:
+    """What ``evaluate`` is told, beside the folder and the place."""
+
+    episodes: int
+    explore: bool
+    seed: int | None
+    as_json: bool
+    quiet: bool
+
+
 @click.command()
 @click.argument("folder", type=click.Path(exists=True, file_okay=False, path_type=Path))
 @click.option("--episodes", type=click.IntRange(1), default=1000, show_default=True, help="Stop after so many.")
-@click.option("--on", "stage", type=Stage(ARENA, FAKE, REAL), default=ARENA, show_default=True, help="Where to play.")
+@place_options(ARENA)
 @click.option("--explore", is_flag=True, help="Explore as in training (without learning).")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same match (fake and arena).")
-@click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
-def evaluate(
-    folder: Path,
-    episodes: int,
-    stage: str | tuple[str, int],
-    explore: bool,
-    seed: int | None,
-    executable: str | None,
-    as_json: bool,
-    quiet: bool,
-) -> None:
+@packed(EvaluateOptions)
+def evaluate(folder: Path, place: Place, options: EvaluateOptions) -> None:
     """Play learned weights without learning, and without exploration unless asked for.
 
     The task is that of the training run. The result is also kept in the run's folder (evaluations.jsonl).
@@ -357,27 +336,25 @@ def evaluate(
       rcss-hat evaluate runs/ppr --episodes 1000
       rcss-hat evaluate runs/ppr --episodes 100 --on fake --seed 7 --json
     """
-    from rcss_hat.cli.stages import play_on_stage
     from rcss_hat.experiments.evaluation import frozen_policy
-    from rcss_hat.experiments.training import TrainingError, read_config
-    from rcss_hat.hat.decision_list import DecisionList
-    from rcss_hat.hat.policy import RUN_RULES, RUN_WEIGHTS
-    from rcss_hat.hat.transfer import Learners
+    from rcss_hat.experiments.run_folder import TrainingError, read_run
+    from rcss_hat.stage.stages import Part, open_stage
 
-    if seed is None:
-        seed = secrets.randbelow(2**31)
+    seed = drawn(options.seed)
     with plain_errors(TrainingError, ValueError, RuntimeError):
-        task = read_config(folder).task
-        learners = Learners.load(folder / RUN_WEIGHTS)
-        rules = DecisionList.load(folder / RUN_RULES) if (folder / RUN_RULES).exists() else None
-        policy = frozen_policy(learners, rules, seed, explore, str(folder))
-        report = RunReport(stage_text(stage), str(folder), "hand", task.size, task.field, task.vision, seed)
-        with progress_bar(f"{folder.name} on {report.stage}", episodes, hide=quiet or as_json) as bar:
-            play_on_stage(report, task, seed, policy, stage, episodes, executable, lambda n, _: bar(n))
-        result = {**report.summary(), "learned_episodes": learners.episodes, "explore": explore}
-        with (folder / "evaluations.jsonl").open("a", encoding="utf-8") as file:
-            file.write(json.dumps(result) + "\n")
-    click.echo(json.dumps(result) if as_json else report.to_text())
+        run = read_run(folder)
+        task, learners = run.config.task, run.learners
+        policy = frozen_policy(learners, run.rules, seed, options.explore, str(folder))
+        label, hidden = f"{folder.name} on {place}", options.quiet or options.as_json
+        with (
+            open_stage(place, task, seed, policy, _terms(task)) as stage,
+            progress_bar(label, options.episodes, hide=hidden) as bar,
+        ):
+            report = stage.play(Part(options.episodes, on_episodes=shown(bar)))
+        result = {**report.summary(), "learned_episodes": learners.episodes, "explore": options.explore}
+    line = (json.dumps(result) + "\n").encode()
+    text = json.dumps(result) if options.as_json else report.to_text()
+    deliver(text, (folder / "evaluations.jsonl", lambda path: append(path, line)))
     if report.failure:
         fail(report.failure, report.exit_code)
     sys.exit(report.exit_code)

@@ -3,53 +3,66 @@
 from __future__ import annotations
 
 import asyncio
-import secrets
-from contextlib import suppress
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rcss_hat.cli.common import ARENA, FAKE, REAL, Stage, plain_errors, task_options, tell_of_compilation
-from rcss_hat.keepaway.report import RunReport
+from rcss_hat.cli.common import POLICIES, drawn, named_policy, packed, plain_errors, say, task_options
+from rcss_hat.cli.places import Where, server_pace
 from rcss_hat.keepaway.task import Task
-from rcss_hat.protocol.params import Value
+from rcss_hat.stage.place import FAKE, Place
+from rcss_hat.stage.terms import Terms
 
 if TYPE_CHECKING:
-    from rcss_hat.hat.policy import TeamPolicy
+    from rcss_hat.keepaway.report import RunReport
+    from rcss_hat.stage.stages import Part, Stage
     from rcss_hat.viewer.audience import Source
-    from rcss_hat.viewer.live import MonitorSource
 
 LOG_SUFFIXES = (".rcg", ".rcg.gz")
 
 
-class Watched(click.ParamType):
-    """What can be watched: a stage, or a game log."""
+class Watched(Where):
+    """What can be watched: a place, or a game log."""
 
     name = "watched"
-    _stage = Stage(FAKE, ARENA, REAL)
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         """Show what can be given."""
-        return f"{self._stage.get_metavar(param, ctx)}|FILE.rcg"
+        return f"{super().get_metavar(param, ctx)}|FILE.rcg"
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> str | tuple[str, int] | Path:
-        """Return a word, (host, port), or the path of a log."""
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the place, or the path of a log."""
         if isinstance(value, Path):
             return value
         if isinstance(value, str) and (value.endswith(LOG_SUFFIXES) or Path(value).is_file()):
             if not Path(value).is_file():
                 self.fail(f"there is no game log {value!r}", param, ctx)
             return Path(value)
-        return self._stage.convert(value, param, ctx)
+        return super().convert(value, param, ctx)
+
+
+@dataclass(frozen=True)
+class Options:
+    """What ``watch`` is told, beside the task."""
+
+    watched: Place | Path
+    keepers: str
+    episodes: int
+    seed: int | None
+    speed: float
+    port: int
+    open_browser: bool
+    terminal: bool
+    executable: str | None
 
 
 @click.command()
-@click.option("--on", "stage", type=Watched(), default=FAKE, show_default=True, help="What to watch.")
+@click.option("--on", "watched", type=Watched(), default=FAKE, show_default=True, help="What to watch.")
 @click.option(
-    "--keepers", default="hand", show_default=True, help="Policy in matches started here (not HOST:PORT, FILE)."
+    "--keepers", default="hand", show_default=True, help=f"In matches started here (not HOST:PORT, FILE): {POLICIES}"
 )
 @click.option("--episodes", type=click.IntRange(1), default=100, show_default=True, help="Length of such a match.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Of such a match (fake and arena).")
@@ -65,18 +78,8 @@ class Watched(click.ParamType):
 @click.option("--terminal", is_flag=True, help="Watch in this terminal instead of a browser.")
 @click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
 @task_options
-def watch(
-    task: Task,
-    stage: str | tuple[str, int] | Path,
-    keepers: str,
-    episodes: int,
-    seed: int | None,
-    speed: float,
-    port: int,
-    open_browser: bool,
-    terminal: bool,
-    executable: str | None,
-) -> None:
+@packed(Options)
+def watch(task: Task, options: Options) -> None:
     """Watch a server, a match or a game log in the browser.
 
     A running server is watched as a monitor would; fake, real and arena start a match to be watched. The page listens
@@ -89,125 +92,94 @@ def watch(
       rcss-hat watch --on 20250101-keepers_0-vs-takers_0.rcg --terminal
     """
     from rcss_hat.viewer.audience import WatchError
-
-    with plain_errors(WatchError, RuntimeError), suppress(KeyboardInterrupt):
-        source, match = _source(task, stage, keepers, episodes, seed, speed, executable)
-        asyncio.run(_show(source, match, port, open_browser, terminal))
-
-
-def _source(
-    task: Task,
-    stage: str | tuple[str, int] | Path,
-    keepers: str,
-    episodes: int,
-    seed: int | None,
-    speed: float,
-    executable: str | None,
-) -> tuple[Source, _ServerMatch | None]:
-    """Return what to show, and the match that has to be played for it."""
-    from rcss_hat.cli.stages import server_pace
     from rcss_hat.viewer.live import MonitorSource
+
+    with plain_errors(WatchError, RuntimeError), suppress(KeyboardInterrupt), ExitStack() as opened:
+        match: Match | None = None
+        if isinstance(options.watched, Path):
+            source: Source = _recorded(options.watched, options.speed)
+        elif options.watched.address:
+            server_pace(options.watched, options.speed)
+            source = MonitorSource(*options.watched.address, stay=True)
+        else:
+            source, match = _match(task, options.watched, options, opened)
+        asyncio.run(_show(source, match, options))
+        if match is not None:
+            click.echo(match.report.to_text(), err=True)
+
+
+def _recorded(path: Path, speed: float) -> Source:
     from rcss_hat.viewer.playback import Playback
+    from rcss_hat.viewer.recording import read_recording
 
-    if isinstance(stage, Path):
-        from rcss_hat.viewer.recording import read_recording
-
-        recording = read_recording(stage)
-        if recording.skipped:
-            click.echo(f"{recording.skipped} lines of {stage} could not be read", err=True)
-        return Playback(recording, speed), None
-    if isinstance(stage, tuple):
-        server_pace(stage, speed)
-        return MonitorSource(*stage, stay=True), None
-    seed = secrets.randbelow(2**31) if seed is None else seed
-    policy = _policy(keepers, task, seed)
-    if stage == ARENA:
-        from rcss_hat.viewer.arena_reel import ArenaReel
-        from rcss_hat.viewer.values import values_of
-
-        return Playback(ArenaReel(task, seed, policy, episodes, values_of(policy)), speed), None
-    tell_of_compilation("rcss_hat.keepaway.agent")
-    match = _ServerMatch(task, stage, seed, policy, episodes, executable, server_pace(stage, speed))
-    return match.source, match
+    recording = read_recording(path)
+    if recording.cut:
+        say(f"{path}: {recording.cut}; its {len(recording.scenes)} frames up to there are shown")
+    if recording.skipped:
+        say(f"{recording.skipped} line{'s' * (recording.skipped > 1)} of {path} could not be read")
+    return Playback(recording, speed)
 
 
-def _policy(keepers: str, task: Task, seed: int) -> TeamPolicy:
-    from rcss_hat.hat.policy import PolicyError, load_policy
+@dataclass(frozen=True)
+class Match:
+    """A match that is played while it is watched."""
 
-    try:
-        return load_policy(keepers, task.keepers, task.takers, seed)
-    except PolicyError as error:
-        raise click.BadParameter(str(error), param_hint="--keepers") from error
+    stage: Stage
+    part: Part
 
-
-class _ServerMatch:
-    """A match on a server of our own in real time, to be watched as a monitor."""
-
-    def __init__(
-        self,
-        task: Task,
-        stage: str,
-        seed: int,
-        policy: TeamPolicy,
-        episodes: int,
-        executable: str | None,
-        pace: dict[str, Value],
-    ) -> None:
-        from rcss_hat.cli.stages import own_server
-        from rcss_hat.viewer.live import MonitorSource
-        from rcss_hat.viewer.narrator import Insight
-        from rcss_hat.viewer.values import values_of
-
-        self.task, self.seed, self.episodes, self.policy = task, seed, episodes, policy
-        self.report = RunReport(stage, policy.spec, "hand", task.size, task.field, task.vision, seed)
-        server = own_server(task, seed, stage, executable, synch_mode=False, **pace)
-        assert server is not None
-        self.server = server
-        insight = Insight(values_of(policy))
-        self.keepers = insight.of(policy)
-        title = f"{'rcssserver' if stage == REAL else 'fake server'}, {policy.spec}, {task.size}"
-        self.source: MonitorSource = MonitorSource(
-            self.server.host, self.server.port, insight, title, patience=60.0, stay=False
-        )
+    @property
+    def report(self) -> RunReport:
+        """What happened in it."""
+        return self.stage.report
 
     async def play(self) -> None:
-        """Play the match to its end."""
-        from rcss_hat.numeric.aside import aside
-        from rcss_hat.team.match import play
-
-        await aside(self.policy.warm_up)
-        await play(self.report, self.task, self.seed, self.keepers, self.episodes, self.server, None)
-
-    def close(self) -> None:
-        """Remove what the server left behind."""
-        self.server.clean()
+        """Play it to its end."""
+        await self.stage.run(self.part)
 
 
-async def _show(source: Source, match: _ServerMatch | None, port: int, open_browser: bool, terminal: bool) -> None:
+def _match(task: Task, place: Place, options: Options, opened: ExitStack) -> tuple[Source, Match | None]:
+    """Return what shows a match of ours, and the match where showing it does not play it."""
+    from rcss_hat.stage.stages import Part, open_stage
+    from rcss_hat.viewer.live import MonitorSource
+    from rcss_hat.viewer.narrator import Insight
+    from rcss_hat.viewer.playback import Playback
+    from rcss_hat.viewer.stage_reel import StageReel
+    from rcss_hat.viewer.values import values_of
+
+    seed = drawn(options.seed)
+    policy = named_policy(options.keepers, task, seed, "--keepers")
+    terms = Terms(say=say, pace=server_pace(place, options.speed))
+    stage = opened.enter_context(open_stage(replace(place, executable=options.executable), task, seed, policy, terms))
+    if stage.waits:  # played ahead of the picture, which can be stopped and sought
+        return Playback(StageReel(stage, options.episodes, values_of(policy)), options.speed), None
+    assert stage.address is not None
+    insight = Insight(values_of(policy))
+    title = f"{place.title}, {policy.spec}, {task.size}"
+    source = MonitorSource(*stage.address, insight, title, patience=60.0, stay=False)
+    return source, Match(stage, Part(options.episodes, on_decision=insight.decided))
+
+
+async def _show(source: Source, match: Match | None, options: Options) -> None:
     """Show a source until it ends, its match ends, or the person leaves."""
     playing = asyncio.create_task(match.play()) if match is not None else None
     try:
-        if terminal:
+        if options.terminal:
             from rcss_hat.viewer.terminal import Terminal
 
             await Terminal(source).run()
         else:
-            await _show_page(source, playing, port, open_browser)
+            await _show_page(source, playing, options)
     finally:
         if playing is not None:
             playing.cancel()
             with suppress(asyncio.CancelledError):
                 await playing
-        if match is not None:
-            match.close()
-    if match is not None:
-        click.echo(match.report.to_text(), err=True)
 
 
-async def _show_page(source: Source, playing: asyncio.Task[None] | None, port: int, open_browser: bool) -> None:
+async def _show_page(source: Source, playing: asyncio.Task[None] | None, options: Options) -> None:
     from rcss_hat.viewer.server import serve
 
-    async with await serve(source, port=port, open_browser=open_browser) as viewer:
+    async with await serve(source, port=options.port, open_browser=options.open_browser) as viewer:
         click.echo(f"Watch at {viewer.url}  (Ctrl-C ends)", err=True)
         waiting = asyncio.create_task(viewer.wait())
         try:

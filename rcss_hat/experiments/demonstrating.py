@@ -5,45 +5,18 @@ A teacher is shown the picture of every cycle, as a person at the viewer is, and
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
-from rcss_hat.arena.match import ArenaMatch
-from rcss_hat.hat.brains import EXTERNAL, fixed_brains
 from rcss_hat.hat.demonstrations import Demonstration, DemonstrationInfo, DemonstrationSet
 from rcss_hat.hat.policy import TeamPolicy
-from rcss_hat.hat.teachers import ScriptedTeacher
+from rcss_hat.hat.recorder import Recorder
+from rcss_hat.hat.teachers import Onlooker, ScriptedTeacher, teacher_policy
+from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
-
-ARENA = "arena"
-
-
-class _Picture:
-    """Shows a teacher the true positions of a match, once per cycle."""
-
-    def __init__(self, teacher: ScriptedTeacher) -> None:
-        self.teacher = teacher
-        self.match: ArenaMatch | None = None
-        self.episode = -1
-
-    def key(self) -> int:
-        """Show the cycle the match is in, and return the key the teacher presses."""
-        match = self.match
-        assert match is not None
-        episode = int(match.match["episode"][0])
-        if episode != self.episode:
-            self.teacher.new_episode()
-            self.episode = episode
-        n, positions = match.task.keepers, match.match["pos"][0][match.seats]
-        return self.teacher(match.cycle, match.match["ball_pos"][0], positions[:n], positions[n:])
-
-    def __call__(self, state: NDArray[np.float64], info: dict[str, Any]) -> int:
-        """Decide for a keeper, as an external policy of the arena."""
-        return self.key()
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.stage.stages import Part, open_stage
 
 
 def demonstrate(task: Task, teacher: str, episodes: int, seed: int) -> DemonstrationSet:
@@ -63,13 +36,8 @@ def demonstrate(task: Task, teacher: str, episodes: int, seed: int) -> Demonstra
     ValueError
         When there is no such teacher.
     """
-    picture = _Picture(ScriptedTeacher(teacher, seed))
-    brains = fixed_brains(EXTERNAL, task.keepers, seed)
-    policy = TeamPolicy(teacher, brains, task.keepers, task.takers)
-    match = ArenaMatch(task, seed, policy, external=picture, log_decisions=True)
-    picture.match = match
-    info = DemonstrationInfo(teacher, ARENA, task, dict(task.server_values()), seed)
-    return DemonstrationSet(info, tuple(_episodes(match, picture, episodes, teacher, judged=False)))
+    policy = teacher_policy(teacher, task.keepers, task.takers, seed)
+    return _recorded(DemonstrationInfo(teacher, ARENA, task, dict(task.server_values()), seed), policy, episodes)
 
 
 def watch(task: Task, policy: TeamPolicy, teacher: str, episodes: int, seed: int) -> DemonstrationSet:
@@ -86,38 +54,25 @@ def watch(task: Task, policy: TeamPolicy, teacher: str, episodes: int, seed: int
     teacher, episodes, seed
         See `demonstrate`.
     """
-    picture = _Picture(ScriptedTeacher(teacher, seed))
-    match = ArenaMatch(task, seed, policy, log_decisions=True)
-    picture.match = match
+    judge = Onlooker(ScriptedTeacher(teacher, seed), task.keepers, task.takers)
     info = DemonstrationInfo(teacher, ARENA, task, dict(task.server_values()), seed, notes="watching a learner")
-    return DemonstrationSet(info, tuple(_episodes(match, picture, episodes, teacher, judged=True)))
+    return _recorded(info, policy, episodes, judge)
 
 
-def _episodes(match: ArenaMatch, picture: _Picture, wanted: int, teacher: str, judged: bool) -> Iterator[Demonstration]:
-    rows: list[np.void] = []
-    keys: list[int] = []
-    found = 0
-    while found < wanted:
-        ended: list[Episode] = [e for part in match.advance(cycles=match.cycle + 1) for e in part]
-        # The end of an episode comes first in its cycle: decisions of this cycle belong to the next one.
-        for episode in ended:
-            yield _demonstration(episode, teacher, rows, keys, len(match.state))
-            rows, keys = [], []
-            found += 1
-        key = picture.key()
-        for row in match.take_decisions():
-            rows.append(row)
-            keys.append(key if judged else int(row["action"]))
+def _recorded(
+    info: DemonstrationInfo, policy: TeamPolicy, episodes: int, judge: Onlooker | None = None
+) -> DemonstrationSet:
+    recorder, found = Recorder(), list[Demonstration]()
 
+    def decided(decision: Decision) -> None:
+        recorder.decided(decision if judge is None else replace(decision, action=judge.key))
 
-def _demonstration(
-    episode: Episode, teacher: str, rows: list[np.void], keys: list[int], n_variables: int
-) -> Demonstration:
-    return Demonstration(
-        episode,
-        teacher,
-        np.array([row["cycle"] for row in rows], dtype=np.int64),
-        np.array([row["keeper"] for row in rows], dtype=np.int64),
-        np.array([row["state"] for row in rows], dtype=np.float64).reshape(-1, n_variables),
-        np.array(keys, dtype=np.int64),
-    )
+    def ended(episodes: Sequence[Episode], cycle: int) -> None:
+        for e in episodes:
+            found.append(Demonstration.of(e, info.teacher, recorder.take(e), info.n_variables))
+
+    with open_stage(Place(ARENA), info.task, info.seed or 0, policy) as stage:
+        report = stage.play(Part(episodes, None, ended, decided, None if judge is None else judge.look))
+    if report.failure is not None:  # Ctrl-C: fewer episodes are no demonstration
+        raise KeyboardInterrupt
+    return DemonstrationSet(info, tuple(found))

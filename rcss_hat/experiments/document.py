@@ -2,45 +2,24 @@
 
 from __future__ import annotations
 
-import html
 import io
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
+from typing import ClassVar
 
 import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from rcss_hat.experiments.figures import save_figure
-from rcss_hat.hat.files import write_text
+from rcss_hat.system.files import write_text
 
-STYLE = """
-:root { color-scheme: light dark; --ink: #1c1c1c; --paper: #ffffff; --line: #d9d9d9; --soft: #f5f5f3; --dim: #5f5f5f; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e6e6e6; --paper: #17181a; --line: #3a3c40; --soft: #202226; --dim: #a0a0a0; }
-  figure img, figure svg { background: #ffffff; border-radius: 4px; }
-}
-body { font: 16px/1.55 system-ui, sans-serif; color: var(--ink); background: var(--paper);
-  max-width: 66rem; margin: 2.5rem auto; padding: 0 1.25rem; }
-h1 { font-size: 1.7rem; line-height: 1.25; margin-bottom: .4rem; }
-h2 { font-size: 1.25rem; margin-top: 2.6rem; border-bottom: 1px solid var(--line); padding-bottom: .25rem; }
-h3 { font-size: 1.02rem; margin-top: 1.8rem; margin-bottom: .4rem; }
-p { max-width: 48rem; }
-.table { overflow-x: auto; margin: .8rem 0 1.2rem; }
-table { border-collapse: collapse; font-size: .86rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .6rem; text-align: right; border-bottom: 1px solid var(--line); white-space: nowrap; }
-th { font-weight: 600; color: var(--dim); vertical-align: bottom; white-space: normal; }
-td:first-child, th:first-child { text-align: left; padding-left: 0; }
-table.text td { white-space: normal; text-align: left; vertical-align: top; }
-table.text th { text-align: left; }
-figure { margin: 1rem 0 1.6rem; }
-figure svg { max-width: 100%; height: auto; }
-figcaption, .note { color: var(--dim); font-size: .88rem; max-width: 48rem; }
-pre { background: var(--soft); padding: .8rem 1rem; overflow-x: auto; font-size: .82rem; line-height: 1.45; }
-code { font-family: ui-monospace, monospace; }
-"""
+MARKUP = ((re.compile(r"\*\*(.+?)\*\*"), r"<strong>\1</strong>"), (re.compile(r"`(.+?)`"), r"<code>\1</code>"))
+"""What titles, paragraphs, captions and cells may have of Markdown."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +28,7 @@ class Heading:
 
     text: str
     level: int = 2
+    kind: ClassVar[str] = "heading"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +36,7 @@ class Paragraph:
     """Text; ``**bold**`` and ```code``` are understood."""
 
     text: str
+    kind: ClassVar[str] = "paragraph"
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +56,18 @@ class TableBlock:
     frame: pd.DataFrame
     prose: bool = False
     name: str = ""
+    kind: ClassVar[str] = "table"
+
+    @property
+    def columns(self) -> list[str]:
+        """Headings."""
+        return [str(column) for column in self.frame.columns]
+
+    @property
+    def rows(self) -> list[list[str]]:
+        """Cells, as texts."""
+        rows: list[list[str]] = self.frame.astype(str).to_numpy().tolist()
+        return rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +77,7 @@ class FigureBlock:
     figure: Figure
     name: str
     caption: str
+    kind: ClassVar[str] = "figure"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,9 +85,15 @@ class Code:
     """Text as it stands."""
 
     text: str
+    kind: ClassVar[str] = "code"
 
 
 Block = Heading | Paragraph | TableBlock | FigureBlock | Code
+
+
+def pages_in(folder: Path) -> list[Path]:
+    """Return the pages that a document has in a folder: Markdown and HTML."""
+    return [folder / "report.md", folder / "report.html"]
 
 
 @dataclass(slots=True)
@@ -125,7 +125,7 @@ class Document:
             elif isinstance(block, TableBlock) and block.name:
                 text = block.frame.to_csv(index=False, lineterminator="\n").replace("**", "")
                 write_text(folder / "tables" / f"{block.name}.csv", text)
-        pages = [folder / "report.md", folder / "report.html"]
+        pages = pages_in(folder)
         write_text(pages[0], self.to_markdown())
         write_text(pages[1], self.to_html(pictures))
         return pages
@@ -142,13 +142,20 @@ class Document:
         pictures : dict of str to str
             SVG by name of the figure.
         """
-        body = "\n".join(_html(block, pictures) for block in self.blocks)
-        return (
-            '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-            '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-            f"<title>{html.escape(self.title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
-            f"<h1>{_inline(self.title)}</h1>\n{body}\n</body>\n</html>\n"
-        )
+        page = _environment().get_template("document.html")
+        return page.render(title=self.title, blocks=self.blocks, pictures=pictures)
+
+
+@cache
+def _environment() -> Environment:
+    made = Environment(
+        loader=PackageLoader("rcss_hat.experiments"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        keep_trailing_newline=True,
+    )
+    made.filters["inline"] = _inline
+    return made
 
 
 def svg_text(figure: Figure, name: str) -> str:
@@ -174,31 +181,13 @@ def _markdown(block: Block) -> str:
     if isinstance(block, FigureBlock):
         return f"![{block.caption}](figures/{block.name}.png)\n\n*{block.caption}*"
     align = ["---"] + ["---" if block.prose else "---:"] * (len(block.frame.columns) - 1)
-    rows = [[str(c) for c in block.frame.columns], align, *block.frame.astype(str).to_numpy().tolist()]
+    rows = [block.columns, align, *block.rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows)
 
 
-def _html(block: Block, pictures: dict[str, str]) -> str:
-    if isinstance(block, Heading):
-        return f"<h{block.level}>{_inline(block.text)}</h{block.level}>"
-    if isinstance(block, Paragraph):
-        return f"<p>{_inline(block.text)}</p>"
-    if isinstance(block, Code):
-        return f"<pre><code>{html.escape(block.text)}</code></pre>"
-    if isinstance(block, FigureBlock):
-        caption = _inline(block.caption)
-        return f'<figure role="img">\n{pictures[block.name]}\n<figcaption>{caption}</figcaption>\n</figure>'
-    kind = ' class="text"' if block.prose else ""
-    head = _row(list(block.frame.columns), "th")
-    body = "\n".join(_row(row, "td") for row in block.frame.astype(str).to_numpy().tolist())
-    return f'<div class="table"><table{kind}>\n<thead>{head}</thead>\n<tbody>\n{body}\n</tbody>\n</table></div>'
-
-
-def _row(cells: Sequence[object], tag: str) -> str:
-    return "<tr>" + "".join(f"<{tag}>{_inline(str(cell))}</{tag}>" for cell in cells) + "</tr>"
-
-
-def _inline(text: str) -> str:
-    escaped = html.escape(text, quote=False)
-    escaped = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", escaped)
-    return re.sub(r"`(.+?)`", r"<code>\1</code>", escaped)
+def _inline(text: object) -> Markup:
+    """Escape a text for HTML, except for what `MARKUP` makes of it."""
+    escaped = str(escape(text))
+    for pattern, element in MARKUP:
+        escaped = pattern.sub(element, escaped)
+    return Markup(escaped)

@@ -7,17 +7,29 @@ not known), ``psi`` (probability of reusing the advice at the end of the episode
 
 from __future__ import annotations
 
+import csv
+import io
+import logging
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
-from rcss_hat.keepaway.report import Episode
+from rcss_hat.inputs import MIB, FileFormatError, decoded, excerpt, read_text
+from rcss_hat.keepaway.report import OUT, TAKEN, UNKNOWN, Episode
+from rcss_hat.system.files import append, write_bytes, write_text
 
 COLUMNS = ("episode", "start", "duration", "reason", "psi", "hour")
 HEADER = ",".join(COLUMNS) + "\n"
 CYCLES_PER_HOUR = 36_000
+MAX_CYCLES = 2**30
+"""Of an episode."""
+MAX_LOG = 512 * MIB
+"""Bytes: more than 10,000 simulated hours."""
+_TYPES = dict(zip(COLUMNS, ("int64", "int64", "int64", "string", "float64", "float64"), strict=True))
+_LOG = logging.getLogger(__name__)
 
 
 class EpisodeLogError(ValueError):
@@ -36,7 +48,7 @@ class EpisodeLog:
     def __init__(self, path: Path) -> None:
         self.path = path
         if not path.exists():
-            path.write_text(HEADER, encoding="utf-8")
+            write_text(path, HEADER)
 
     @property
     def size(self) -> int:
@@ -52,14 +64,53 @@ class EpisodeLog:
             Numbers and cycles as they count in the run.
         psi : callable
             Episode number -> psi at its end, or None.
+
+        Raises
+        ------
+        OSError
+            When they cannot be written; the file is then as it was.
         """
-        text = "".join(_row(episode, psi(episode.number)) for episode in episodes)
-        if not text:
-            return
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
+        rows = _rows(episodes, psi)
+        if rows:
+            append(self.path, rows)
+
+    def replace(self, size: int, episodes: Iterable[Episode], psi: Callable[[int], float | None]) -> None:
+        """Put episodes in the place of what was written after the file had ``size`` bytes, in one step.
+
+        Parameters
+        ----------
+        size : int
+        episodes, psi
+            See `append`.
+        """
+        with self.path.open("rb") as file:
+            kept = file.read(size)
+        write_bytes(self.path, kept + _rows(episodes, psi))
+
+    def check(self, size: int, episodes: int) -> pd.Series:
+        """Check that the first ``size`` bytes hold so many whole episodes; returns their durations in cycles.
+
+        Raises
+        ------
+        EpisodeLogError
+            When they do not; nothing is changed.
+        """
+        found = self.size
+        if found < size:
+            raise EpisodeLogError(
+                f"{self.path} has {found} bytes, fewer than the {size} its checkpoint counts: it was changed"
+            )
+        with self.path.open("rb") as file:
+            data = file.read(size)
+        if not data.endswith(b"\n"):
+            raise EpisodeLogError(f"{self.path}: the {size} bytes its checkpoint counts end within a line")
+        try:
+            durations = _table(self.path, decoded(data, self.path, "episode log"))["duration"]
+        except FileFormatError as problem:
+            raise EpisodeLogError(str(problem)) from problem
+        if len(durations) != episodes:
+            raise EpisodeLogError(f"{self.path} has {len(durations)} episodes, its checkpoint {episodes}")
+        return durations
 
     def cut(self, size: int) -> None:
         """Drop what was written after the file had ``size`` bytes.
@@ -78,7 +129,7 @@ class EpisodeLog:
 
 
 def read_episode_log(path: Path) -> pd.DataFrame:
-    """Read an episode log.
+    """Read an episode log; a last line that was cut off while it was written is left out, and said in one line.
 
     Returns
     -------
@@ -91,14 +142,45 @@ def read_episode_log(path: Path) -> pd.DataFrame:
         When the file is not an episode log.
     FileNotFoundError
     """
+    if not path.exists():
+        raise FileNotFoundError(f"{path}: there is no such episode log")
     try:
-        log = pd.read_csv(path, dtype={"reason": "string"})
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as problem:
-        raise EpisodeLogError(f"{path} is not an episode log: {problem}") from problem
-    if tuple(log.columns) != COLUMNS:
-        raise EpisodeLogError(f"{path} is not an episode log: its columns are {', '.join(log.columns)}")
+        text = read_text(path, "episode log", MAX_LOG)
+    except FileFormatError as problem:
+        raise EpisodeLogError(str(problem)) from problem
+    whole, end, rest = text.rpartition("\n")
+    if rest:
+        _LOG.warning("%s is cut off; it is read up to its last whole line", path)
+    return _table(path, whole + end)
+
+
+def _shown(name: object) -> str:
+    text = str(name)
+    return text if text.isprintable() and len(text) < 30 else excerpt(text, 30)
+
+
+def _table(path: Path, text: str) -> pd.DataFrame:
+    try:
+        with np.errstate(invalid="raise"):
+            log = pd.read_csv(io.StringIO(text), dtype=_TYPES, quoting=csv.QUOTE_NONE)
+    except (ValueError, ArithmeticError) as problem:  # of pandas: ParserError, EmptyDataError
+        raise EpisodeLogError(f"{path} is not an episode log: {excerpt(str(problem), 150)}") from problem
+    if tuple(log.columns) != COLUMNS or not isinstance(log.index, pd.RangeIndex):
+        raise EpisodeLogError(
+            f"{path} is not an episode log: its columns are {', '.join(map(_shown, log.columns[:8]))}"
+        )
+    sound = (log["episode"] > 0) & (log["start"] >= 0) & log["duration"].between(0, MAX_CYCLES)
+    sound &= log["reason"].isin([OUT, TAKEN, UNKNOWN])
+    sound &= log["psi"].isna() | log["psi"].between(0.0, 1.0)
+    if not sound.all():
+        line = 2 + int(np.flatnonzero(~sound.to_numpy(dtype=bool, na_value=False))[0])
+        raise EpisodeLogError(f"{path}, line {line}: is no episode")
     log["seconds"] = log["duration"] / 10.0
     return log
+
+
+def _rows(episodes: Iterable[Episode], psi: Callable[[int], float | None]) -> bytes:
+    return "".join(_row(episode, psi(episode.number)) for episode in episodes).encode()
 
 
 def _row(episode: Episode, psi: float | None) -> str:

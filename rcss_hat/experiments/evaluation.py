@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
 
-from rcss_hat.arena.match import play
 from rcss_hat.hat.decision_list import DecisionList
 from rcss_hat.hat.policy import TeamPolicy, learners_policy
 from rcss_hat.hat.transfer import Learners
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
 from rcss_hat.numeric import rng
-
-ARENA = "arena"
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.stage.stages import Part, open_stage
 
 
 def frozen_policy(
@@ -41,13 +39,7 @@ def frozen_policy(
     return learners_policy(frozen, rules, spec)
 
 
-def evaluate(
-    policy: TeamPolicy,
-    task: Task,
-    seed: int,
-    episodes: int,
-    progress: Callable[[int, int], None] | None = None,
-) -> RunReport:
+def evaluate(policy: TeamPolicy, task: Task, seed: int, episodes: int) -> RunReport:
     """Play a policy in the arena.
 
     Parameters
@@ -56,13 +48,10 @@ def evaluate(
         See `frozen_policy`.
     task : Task
     seed, episodes : int
-    progress : callable, optional
-        Told (episodes finished, cycle).
 
     Returns
     -------
     RunReport
     """
-    report = RunReport(ARENA, policy.spec, "hand", task.size, task.field, task.vision, seed)
-    play(report, task, seed, policy, episodes, progress)
-    return report
+    with open_stage(Place(ARENA), task, seed, policy) as stage:
+        return stage.play(Part(episodes))

@@ -5,17 +5,20 @@ Both run the same function on the same jobs. A trial that has ended is on the di
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
+import itertools
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from joblib import Parallel, delayed
-
 from rcss_hat.experiments.training import CHECKPOINT_S
 from rcss_hat.experiments.trial import Job, keep_files, run_trial, run_trial_away
+from rcss_hat.numeric.compiling import compiling
+from rcss_hat.stage.terms import silent
+from rcss_hat.system.workers import in_parallel
 
 Result = dict[str, Any]
+Work = Iterable[tuple[Job, Path]]
+"""Trials, and the folders of this machine that they belong in."""
 
 
 class ClusterError(RuntimeError):
@@ -23,39 +26,40 @@ class ClusterError(RuntimeError):
 
 
 def run_locally(
-    jobs: Sequence[Job], folders: Sequence[Path], processes: int, checkpoint_s: float = CHECKPOINT_S
+    work: Work, processes: int, checkpoint_s: float = CHECKPOINT_S, say: Callable[[str], None] = silent
 ) -> Iterator[Result]:
     """Run trials in processes of this machine, yielding results as they come.
 
     Parameters
     ----------
-    jobs : sequence of Job
-    folders : sequence of Path
-        One per job.
+    work : iterable of (Job, Path)
+        Taken as processes become free.
     processes : int
         1: in this process.
     checkpoint_s : float
         See `rcss_hat.experiments.training.TrainingRun.train`.
+    say : callable
+        Told, now and then, what is being compiled.
     """
-    if not jobs:
+    rest = iter(work)
+    first = list(itertools.islice(rest, 1))
+    if not first:
         return
-    warm_up()
-    parallel = Parallel(n_jobs=processes, return_as="generator_unordered")
-    with closing(
-        parallel(delayed(run_trial)(*item, checkpoint_s) for item in zip(jobs, folders, strict=True))
-    ) as found:
-        yield from found
+    with compiling(say, "the players and the simulation", "rcss_hat.arena.loop"):
+        warm_up()
+    trials = ((job, folder, checkpoint_s) for job, folder in itertools.chain(first, rest))
+    yield from in_parallel(run_trial, trials, processes)
 
 
-def run_on_cluster(jobs: Sequence[Job], folders: Sequence[Path], address: str) -> Iterator[Result]:
+def run_on_cluster(work: Work, address: str) -> Iterator[Result]:
     """Run trials on a Dask cluster, yielding results as they come; needs the extra ``rcss-hat[dask]``.
 
     The workers need this package at the same version, but no common disk: files come back with the results.
 
     Parameters
     ----------
-    jobs, folders
-        See `run_locally`; the folders are of this machine.
+    work : iterable of (Job, Path)
+        See `run_locally`.
     address : str
         Of the scheduler, such as ``tcp://10.0.0.1:8786``.
 
@@ -68,7 +72,8 @@ def run_on_cluster(jobs: Sequence[Job], folders: Sequence[Path], address: str) -
         from distributed import Client, as_completed
     except ImportError as problem:
         raise ClusterError("Dask is not installed: pip install 'rcss-hat[dask]'") from problem
-    if not jobs:
+    trials = list(work)
+    if not trials:
         return
     try:
         client = Client(address, timeout=5)
@@ -76,8 +81,8 @@ def run_on_cluster(jobs: Sequence[Job], folders: Sequence[Path], address: str) -
         raise ClusterError(f"no Dask scheduler answers at {address}: {problem}") from problem
     with client:
         _check_workers(client, address)
-        futures = client.map(run_trial_away, jobs, pure=False)
-        where = dict(zip((future.key for future in futures), folders, strict=True))
+        futures = client.map(run_trial_away, [job for job, _ in trials], pure=False)
+        where = {future.key: folder for future, (_, folder) in zip(futures, trials, strict=True)}
         try:
             for future in as_completed(futures):
                 result, contents = future.result()
@@ -114,5 +119,5 @@ def warm_up() -> None:
     evaluate(frozen_policy(learners, PAPER_RULES, 0), Task(), 0, 1)
 
 
-Runner = Callable[[Sequence[Job], Sequence[Path]], Iterator[Result]]
+Runner = Callable[[Work], Iterator[Result]]
 """`run_locally` or `run_on_cluster` with their last arguments filled in."""

@@ -12,8 +12,6 @@
 from __future__ import annotations
 
 import json
-import os
-import platform
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -21,15 +19,22 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from joblib import Parallel, delayed
+from msgspec import Struct
 
-from rcss_hat.experiments.episode_log import read_episode_log
+from rcss_hat.experiments.episode_log import EpisodeLogError, read_episode_log
 from rcss_hat.experiments.execution import Runner
+from rcss_hat.experiments.run_folder import TrainingError, machine, versions
 from rcss_hat.experiments.sets import PreparedSet, SetStore, fingerprint
-from rcss_hat.experiments.study import Condition, Study, StudyError, load_study, parse_study, study_text
-from rcss_hat.experiments.training import EPISODES, versions
+from rcss_hat.experiments.study import Condition, Study, StudyError
+from rcss_hat.experiments.study_file import load_study, parse_study, study_text
+from rcss_hat.experiments.study_parts import Trials
+from rcss_hat.experiments.training import EPISODES
 from rcss_hat.experiments.trial import RESULT, Job, read_result
-from rcss_hat.hat.files import write_text
+from rcss_hat.inputs import FileFormatError
+from rcss_hat.schema import read
+from rcss_hat.system.files import write_text
+from rcss_hat.system.locks import FOLDER_LOCK, SoleWriter
+from rcss_hat.system.workers import in_parallel
 
 STUDY, INFO = "study.toml", "experiment.json"
 FORMAT, VERSION = "rcss-hat experiment", 1
@@ -37,6 +42,21 @@ FORMAT, VERSION = "rcss-hat experiment", 1
 
 class ExperimentError(ValueError):
     """An experiment that cannot be made, resumed or reported; the message says why and what would be right."""
+
+
+class Asked(Struct, frozen=True):
+    """What ``experiment.json`` must say for an experiment to go on."""
+
+    base: str
+    only: tuple[str, ...]
+    trials: Trials | None
+    hours: float | None
+    command: str
+    seconds: float
+    finished_trials: int
+    versions: dict[str, str]
+    machine: dict[str, Any]
+    learner: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +76,10 @@ class TrialRecord:
 
 
 class Experiment:
-    """A study in a folder; make it with `create`, or open it again with `open`.
+    """A study in a folder; make it with `create`, or open it for reading with `open`.
+
+    One that was made with `create` holds its folder (`rcss_hat.system.locks.SoleWriter`) until `close`, or the end of
+    the process.
 
     Attributes
     ----------
@@ -68,6 +91,7 @@ class Experiment:
     """
 
     def __init__(self, folder: Path, study: Study, info: dict[str, Any]) -> None:
+        self._right: SoleWriter | None = None
         self.folder, self.study, self.info = folder, study, info
         self.sets = SetStore(study, folder / "sets")
 
@@ -104,12 +128,15 @@ class Experiment:
             When the study is not valid.
         ExperimentError
             When the folder holds something else.
+        InUse
+            When another process runs the experiment in the folder.
         """
         text, base = study_text(name_or_path)
         study = load_study(name_or_path)
-        known = _read_info(folder) if (folder / INFO).exists() else None
-        if known is None and folder.exists() and any(folder.iterdir()):
+        if _is_foreign(folder):
             raise ExperimentError(f"{folder} is not empty and holds no experiment; give another folder")
+        right = SoleWriter(folder)
+        known = _read_info(folder) if (folder / INFO).exists() else None
         asked = {"trials": trials, "hours": hours, "only": list(only), "learner": learner}
         info = {
             "format": FORMAT,
@@ -125,8 +152,8 @@ class Experiment:
             "machine": machine(),
         }
         experiment = cls(folder, _as_asked(study, info), info)
+        experiment._right = right
         experiment.check()
-        folder.mkdir(parents=True, exist_ok=True)
         write_text(folder / STUDY, text)
         experiment._write_info()
         return experiment
@@ -146,6 +173,11 @@ class Experiment:
         except (FileNotFoundError, StudyError) as problem:
             raise ExperimentError(f"{folder / STUDY} is not valid: {problem}") from problem
         return cls(folder, _as_asked(study, info), info)
+
+    def close(self) -> None:
+        """Let other processes go on with the experiment."""
+        if self._right is not None:
+            self._right.release()
 
     # -- work --------------------------------------------------------------------------------------------------------
     def trial_folder(self, condition: str, trial: int) -> Path:
@@ -189,10 +221,8 @@ class Experiment:
         ready = len(names) - len(missing)
         # The first one is made in this process, so that the others find the compiled kernels in the cache.
         for part in ([*first, *rest][:1], first[1:], rest if first else rest[1:]):
-            found = Parallel(n_jobs=processes if len(part) > 1 else 1, return_as="generator_unordered")(
-                delayed(_prepare)(self.study, self.sets.folder, name) for name in part
-            )
-            for _ in found:
+            work = [(self.study, self.sets.folder, name) for name in part]
+            for _ in in_parallel(_prepare, work, processes if len(part) > 1 else 1):
                 ready += 1
                 if told is not None:
                     told(ready, len(names))
@@ -201,7 +231,7 @@ class Experiment:
         """Describe a trial as data; its demonstration sets must be prepared."""
         uses = condition.demonstrations
         prepared = self.sets.prepare(uses) if uses is not None else None
-        needs_decisions = condition.method.replay_passes > 0 or any(r.watch for r in condition.rounds)
+        needs_decisions = condition.method.needs_decisions or any(r.watch for r in condition.rounds)
         return {
             "condition": condition.name,
             "trial": trial,
@@ -231,24 +261,31 @@ class Experiment:
         if not all(ready):
             return
         for condition in self.study.conditions.values():
-            for trial in range(condition.trials):
-                known = read_result(self.trial_folder(condition.name, trial))
+            for trial in self._ended(condition):
+                try:
+                    known = read_result(self.trial_folder(condition.name, trial))
+                except TrainingError as problem:
+                    raise ExperimentError(str(problem)) from problem
                 if known is not None and known["job"] != fingerprint(self.job(condition, trial)):
                     raise ExperimentError(
                         f"{self.trial_folder(condition.name, trial)} was run with other settings than the study now "
                         "has; use a new folder for the results"
                     )
 
-    def missing(self) -> list[tuple[Job, Path]]:
-        """Return jobs and folders of trials that have not ended; first trials of all conditions come first."""
+    def missing(self) -> Iterator[tuple[Job, Path]]:
+        """Describe trials that have not ended, with their folders; first trials of all conditions come first.
+
+        Yields
+        ------
+        dict, Path
+            Made when they are asked for: a study may have more trials than there is room to list.
+        """
         most = max(condition.trials for condition in self.study.conditions.values())
-        found = []
         for trial in range(most):
             for condition in self.study.conditions.values():
                 folder = self.trial_folder(condition.name, trial)
                 if trial < condition.trials and not (folder / RESULT).exists():
-                    found.append((self.job(condition, trial), folder))
-        return found
+                    yield self.job(condition, trial), folder
 
     @property
     def n_trials(self) -> int:
@@ -258,8 +295,14 @@ class Experiment:
     @property
     def finished(self) -> int:
         """Number of trials that have ended."""
-        counts = [(c.name, trial) for c in self.study.conditions.values() for trial in range(c.trials)]
-        return sum((self.trial_folder(*key) / RESULT).exists() for key in counts)
+        return sum(len(self._ended(condition)) for condition in self.study.conditions.values())
+
+    def _ended(self, condition: Condition) -> list[int]:
+        """Return the numbers of the trials that have ended, as far as the study has them, in order."""
+        folders = [path.parent for path in self.trial_folder(condition.name, 0).parent.glob(f"*/{RESULT}")]
+        numbers = {int(folder.name): folder for folder in folders if folder.name.isdecimal()}
+        ours = (n for n, folder in numbers.items() if folder == self.trial_folder(condition.name, n))
+        return sorted(n for n in ours if n < condition.trials)
 
     def run(self, runner: Runner) -> Iterator[dict[str, Any]]:
         """Run what is missing, yielding results as they come.
@@ -269,9 +312,8 @@ class Experiment:
         runner : callable
             See `rcss_hat.experiments.execution`.
         """
-        work = self.missing()
         last = time.monotonic()
-        for result in runner([job for job, _ in work], [folder for _, folder in work]):
+        for result in runner(self.missing()):
             now = time.monotonic()
             self.info["seconds"] = round(self.info["seconds"] + now - last, 1)
             self.info["finished_trials"] += 1
@@ -283,11 +325,11 @@ class Experiment:
     def trials(self, condition: str) -> list[TrialRecord]:
         """Read the finished trials of a condition, in order."""
         records = []
-        for trial in range(self.study.conditions[condition].trials):
+        for trial in self._ended(self.study.conditions[condition]):
             folder = self.trial_folder(condition, trial)
             result = read_result(folder)
             if result is not None:
-                log = read_episode_log(folder / EPISODES) if (folder / EPISODES).exists() else None
+                log = _whole_log(folder / EPISODES, result) if (folder / EPISODES).exists() else None
                 records.append(TrialRecord(result, log))
         return records
 
@@ -295,18 +337,15 @@ class Experiment:
         write_text(self.folder / INFO, json.dumps(self.info, indent=1) + "\n")
 
 
-def machine() -> dict[str, Any]:
-    """Describe this machine, as far as it matters for durations."""
-    return {"system": f"{platform.system()} {platform.machine()}", "processor": _processor(), "cores": os.cpu_count()}
-
-
-def _processor() -> str:
-    info = Path("/proc/cpuinfo")
-    if info.exists():
-        for line in info.read_text(encoding="utf-8", errors="replace").splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
+def _whole_log(path: Path, result: dict[str, Any]) -> pd.DataFrame:
+    """Read the log of a finished trial, which must have all of its episodes."""
+    try:
+        log = read_episode_log(path)
+    except EpisodeLogError as problem:
+        raise ExperimentError(str(problem)) from problem
+    if len(log) != result.get("episodes", len(log)):
+        raise ExperimentError(f"{path} has {len(log)} episodes, the result beside it {result['episodes']}")
+    return log
 
 
 def _as_asked(study: Study, info: dict[str, Any]) -> Study:
@@ -317,15 +356,26 @@ def _as_asked(study: Study, info: dict[str, Any]) -> Study:
     return study.scaled(info["trials"], info["hours"])
 
 
+def _is_foreign(folder: Path) -> bool:
+    """Whether a folder holds something, and no experiment."""
+    if (folder / INFO).exists() or not folder.exists():
+        return False
+    return any(entry.name != FOLDER_LOCK for entry in folder.iterdir())
+
+
 def _read_info(folder: Path) -> dict[str, Any]:
     try:
         info = json.loads((folder / INFO).read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError) as problem:
         raise ExperimentError(f"{folder} is not the folder of an experiment: it has no {INFO}") from problem
-    except json.JSONDecodeError as problem:
+    except (ValueError, RecursionError) as problem:
         raise ExperimentError(f"{folder / INFO} is not valid: {problem}") from problem
     if not isinstance(info, dict) or info.get("format") != FORMAT or info.get("version") != VERSION:
         raise ExperimentError(f"{folder / INFO} is not of an experiment of this version")
+    try:
+        read(Asked, info, str(folder / INFO))
+    except FileFormatError as problem:
+        raise ExperimentError(str(problem)) from problem
     return info
 
 

@@ -67,7 +67,7 @@ def learning_curve_figure(
             label=_with_trials(label, curve),
         )
     for (label, height), style in zip((lines or {}).items(), cycle(LINE_STYLES), strict=False):
-        axes.axhline(height, color="#666666", linewidth=1.0, linestyle=style, label=f"{label} ({height:.1f} s)")
+        axes.axhline(height, color="#666666", linewidth=1.0, linestyle=style, label=_plain(f"{label} ({height:.1f} s)"))
     axes.set_xlabel("Training time (simulated hours)")
     axes.set_ylabel("Episode duration (s), sliding mean")
     axes.set_xlim(0.0, max(float(curve.hours[-1]) for curve in curves.values()))
@@ -76,7 +76,7 @@ def learning_curve_figure(
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     if title:
-        axes.set_title(title)
+        axes.set_title(_plain(title))
     handles, labels = axes.get_legend_handles_labels()  # lines first, then curves; wanted the other way round
     n = len(lines or {})
     axes.legend(handles[n:] + handles[:n], labels[n:] + labels[:n], frameon=False, fontsize="small", loc="best")
@@ -90,4 +90,9 @@ def save_figure(figure: Figure, path: Path | str) -> None:
 
 def _with_trials(label: str, curve: Curves) -> str:
     n = len(curve.trials)
-    return f"{label} ({n} trial{'s' if n > 1 else ''})"
+    return _plain(f"{label} ({n} trial{'s' if n > 1 else ''})")
+
+
+def _plain(text: str) -> str:
+    """Keep Matplotlib from taking what stands between dollar signs for a formula, and from failing when it is none."""
+    return text.replace("$", r"\$")

@@ -162,17 +162,6 @@ def early_reward(log: pd.DataFrame, episodes: int = WINDOW) -> float:
     return float(durations(log)[:episodes].mean())
 
 
-def jumpstart(initial: ArrayLike, baseline: ArrayLike) -> float:
-    """Mean duration without learning of a method's initial policy, minus that of No Prior's.
-
-    Parameters
-    ----------
-    initial, baseline : array_like
-        Durations in seconds, 1,000 episodes each in the paper.
-    """
-    return float(np.mean(np.asarray(initial, dtype=np.float64)) - np.mean(np.asarray(baseline, dtype=np.float64)))
-
-
 def time_to_threshold(log: pd.DataFrame, threshold: float, window: int = WINDOW) -> float:
     """First hour at which the mean of a full window reaches ``threshold`` seconds; nan when it never does."""
     reached = windowed_means(durations(log), window) >= threshold

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -12,12 +10,19 @@ from rcss_hat.experiments.document import Code, Document, FigureBlock, Heading, 
 from rcss_hat.experiments.experiment import Experiment, ExperimentError
 from rcss_hat.experiments.figures import learning_curve_figure
 from rcss_hat.experiments.predictors import FIGURES, predict, predictor_figure, sampled_frame
-from rcss_hat.experiments.results import MEASURES, SIGNIFICANT, Evidence, Results
-from rcss_hat.experiments.study import Figure, Published, Table
-from rcss_hat.hat.files import write_text
+from rcss_hat.experiments.report_tables import (
+    NOTHING,
+    more_table,
+    number,
+    p_text,
+    result_table,
+    statistics_table,
+    tables_of,
+)
+from rcss_hat.experiments.results import MEASURES, Evidence, Results
+from rcss_hat.experiments.study_parts import Figure
+from rcss_hat.system.files import write_text
 
-PAPER_MEASURES = ("jumpstart", "final", "total")
-NOTHING = "–"
 METRIC_WORDS = {"hours": "hours to threshold", "jumpstart": "initial policy", "early": "first 1,000 episodes"}
 """What claims call a metric, where its name says too little."""
 DEFINITIONS = """Episode durations are in seconds of simulated time (ten cycles). **Jumpstart**: mean duration of the
@@ -29,6 +34,11 @@ Student t, p < 0.05). The statistics below a table: difference of means with its
 Student's t-test and by Welch's with Holm's correction over the table, Hedges' g (difference in pooled standard
 deviations), and the probability that a trial of the condition beats one of the baseline. Trials differ by seed and
 share their demonstrations, so statements are about these sets."""
+
+
+def report_folder(experiment: Experiment) -> Path:
+    """Return where the report of an experiment goes unless told otherwise."""
+    return experiment.folder / "report"
 
 
 def write_report(experiment: Experiment, folder: Path | None = None) -> list[Path]:
@@ -53,7 +63,7 @@ def write_report(experiment: Experiment, folder: Path | None = None) -> list[Pat
     results = Results(experiment)
     if not results.trials:
         raise ExperimentError(f"no trial in {experiment.folder} has ended yet")
-    folder = experiment.folder / "report" if folder is None else folder
+    folder = report_folder(experiment) if folder is None else folder
     document = make_document(results)
     pages = document.save(folder)
     write_text(folder / "trials.csv", results.frame().to_csv(index=False, lineterminator="\n"))
@@ -85,103 +95,6 @@ def make_document(results: Results) -> Document:
     document.add(*_sets(results))
     document.add(Heading("How it was run"), *_how(results))
     return document
-
-
-# -- tables ----------------------------------------------------------------------------------------------------------
-
-
-def tables_of(results: Results) -> tuple[Table, ...]:
-    """Return the study's tables, or one of all its conditions that learn."""
-    if results.study.tables:
-        return results.study.tables
-    conditions = results.study.conditions
-    names = tuple(n for n in results.trials if conditions[n].hours > 0 and not conditions[n].sampled)
-    return (Table(name="conditions", title="Conditions", conditions=names),) if names else ()
-
-
-def result_table(results: Results, table: Table) -> pd.DataFrame:
-    """Return a table of the three measures, ours and, where there are any, the published ones beside them."""
-    names = [name for name in table.conditions if name in results.trials]
-    published = {name: results.study.conditions[name].published for name in names}
-    with_paper = any(p != Published() for p in published.values())
-    significant = {m: _significant(results, names, m) for m in PAPER_MEASURES}
-    rows = []
-    for name in names:
-        row = {"Method": results.label(name), "Trials": str(len(results.trials[name]))}
-        for measure in PAPER_MEASURES:
-            mean, error = results.value(name, measure)
-            text = _number(mean, measure) + (f" ± {_number(error, measure)}" if math.isfinite(error) else "")
-            row[MEASURES[measure]] = f"**{text}**" if name in significant[measure] else text
-            if with_paper:
-                row[f"{MEASURES[measure]}, paper"] = _published(published[name], measure)
-        rows.append(row)
-    return pd.DataFrame(rows)
-
-
-def statistics_table(results: Results, table: Table) -> pd.DataFrame:
-    """Return the comparisons behind a table, one row per condition and measure."""
-    rows = []
-    for measure in PAPER_MEASURES:
-        compared = results.comparisons(table.conditions, measure)
-        for name, c in compared.iterrows():
-            rows.append(
-                {
-                    "Method": results.label(str(name)),
-                    "Measure": MEASURES[measure],
-                    "Difference": _number(c["difference"], measure, sign=True),
-                    "95 % interval": f"{_number(c['low'], measure, True)} to {_number(c['high'], measure, True)}",
-                    "p, Student": _p(c["p_student"]),
-                    "p, Welch + Holm": _p(c["p_holm"]),
-                    "Hedges' g": f"{c['hedges_g']:+.2f}",
-                    "P(improvement)": f"{c['p_improvement']:.2f}",
-                    "n": f"{c['n']:.0f} / {c['n_baseline']:.0f}",
-                }
-            )
-    return pd.DataFrame(rows)
-
-
-def more_table(results: Results) -> pd.DataFrame:
-    """Return all measures of all conditions that learned, with the time to the threshold; sampled sets apart."""
-    published = any(c.published.hours is not None for c in results.study.conditions.values())
-    rows = []
-    for name in results.trials:
-        if results.study.conditions[name].hours == 0 or results.study.conditions[name].sampled:
-            continue
-        row = {"Condition": name, "Trials": str(len(results.trials[name]))}
-        for measure, words in MEASURES.items():
-            row[words] = _number(results.value(name, measure)[0], measure)
-        row["Hours to threshold"] = _number(results.hours_to_threshold(name), "final")
-        row["Hours, mean of trials"] = _number(results.value(name, "hours")[0], "final")
-        hours = results.study.conditions[name].published.hours
-        row |= {"Hours, paper": NOTHING if hours is None else f"{hours:g}"} if published else {}
-        episodes = [record.result["episodes"] for record in results.trials[name]]
-        row["Episodes"] = f"{sum(episodes) / len(episodes):.0f}"
-        rows.append(row)
-    return pd.DataFrame(rows)
-
-
-def _significant(results: Results, names: Sequence[str], measure: str) -> set[str]:
-    compared = results.comparisons(names, measure)
-    return set() if compared.empty else {str(n) for n in compared.index[compared["p_student"] < SIGNIFICANT]}
-
-
-def _published(published: Published, measure: str) -> str:
-    value = getattr(published, measure)
-    if value is None:
-        return NOTHING
-    text = f"{value:.2f}" if measure == "jumpstart" else f"{value:.0f}" if measure == "total" else f"{value:.1f}"
-    return f"**{text}**" if measure in published.significant else text
-
-
-def _number(value: float, measure: str, sign: bool = False) -> str:
-    if not math.isfinite(value):
-        return NOTHING
-    digits = 1 if measure == "total" else 2
-    return f"{value:{'+' if sign else ''}.{digits}f}"
-
-
-def _p(value: float) -> str:
-    return "< 0.0001" if value < 1e-4 else f"{value:.4f}"
 
 
 # -- parts -----------------------------------------------------------------------------------------------------------
@@ -234,9 +147,9 @@ def _evidence_row(results: Results, e: Evidence) -> dict[str, str]:
     }
     if e.comparison is not None:
         c, m = e.comparison, e.test.metric
-        row["Difference"] = _number(c.difference, m, True)
-        row["95 % interval"] = f"{_number(c.low, m, True)} to {_number(c.high, m, True)}"
-        row["p, Student"], row["p, Welch"] = _p(c.p_student), _p(c.p_welch)
+        row["Difference"] = number(c.difference, m, True)
+        row["95 % interval"] = f"{number(c.low, m, True)} to {number(c.high, m, True)}"
+        row["p, Student"], row["p, Welch"] = p_text(c.p_student), p_text(c.p_welch)
     return {**row, "Holds": {True: "yes", False: "no", None: "not tested"}[e.holds]}
 
 
@@ -303,7 +216,7 @@ def _predictors(results: Results) -> list[Heading | Paragraph | TableBlock | Fig
             continue
         rows = [
             {"Figure of the set": FIGURES[str(k)], "Rank correlation": f"{r['rho']:+.2f}",
-             "95 % interval": f"{r['low']:+.2f} to {r['high']:+.2f}", "p": _p(r["p"])}
+             "95 % interval": f"{r['low']:+.2f} to {r['high']:+.2f}", "p": p_text(r["p"])}
             for k, r in prediction.correlations.iterrows()
         ]  # fmt: skip
         blocks += [

@@ -11,15 +11,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from rcss_hat.experiments.demonstrating import demonstrate
-from rcss_hat.experiments.study import SetSpec, Study, StudyError
+from rcss_hat.experiments.study import Study, StudyError
+from rcss_hat.experiments.study_parts import SetSpec
 from rcss_hat.hat.decision_list import PAPER_RULES, DecisionList
 from rcss_hat.hat.demonstrations import DemonstrationSet, combine
-from rcss_hat.hat.files import FileFormatError, write_text
 from rcss_hat.hat.mapping import map_rules
 from rcss_hat.hat.summarize import summarize
+from rcss_hat.inputs import FileFormatError, item
 from rcss_hat.keepaway.task import Task
+from rcss_hat.system.files import write_text
 
 SUMMARY_SEED = 1
 """Of RIPPER's splits and the folds of cross-validation, for every set."""
@@ -73,7 +76,7 @@ class SetStore:
         path = self._path(name, "figures.json")
         if not path.exists():
             return False
-        if json.loads(path.read_text(encoding="utf-8"))["definition"] != self._definition(name):
+        if self._figures(name)["definition"] != self._definition(name):
             raise StudyError(
                 f"{path} belongs to another definition of demonstration set {name!r}; use a new folder for the results"
             )
@@ -176,8 +179,17 @@ class SetStore:
             spec.title,
             DemonstrationSet.load(table) if table.exists() else None,
             DecisionList.load(self._path(spec.name, "rules.json")),
-            json.loads(self._path(spec.name, "figures.json").read_text(encoding="utf-8")),
+            self._figures(spec.name),
         )
+
+    def _figures(self, name: str) -> dict[str, Any]:
+        path = self._path(name, "figures.json")
+        try:
+            figures: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            item(figures, "definition", str)
+        except (ValueError, RecursionError) as problem:
+            raise StudyError(f"{path} is damaged: {problem}; delete it, and the set is made again") from problem
+        return figures
 
     def _path(self, name: str, ending: str) -> Path:
         return self.folder / f"{name}.{ending}"
@@ -187,7 +199,7 @@ class SetStore:
 
         def full(part: str) -> dict[str, Any]:
             spec = self.study.sets[part]
-            entry = {k: v for k, v in asdict(spec).items() if k not in ("name", "label")}
+            entry = {k: v for k, v in structs.asdict(spec).items() if k not in ("name", "label")}
             entry["of"] = [full(name) for name in spec.of]
             if spec.teacher is not None:
                 entry["task"] = asdict(self._task(spec))

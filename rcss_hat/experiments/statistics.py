@@ -60,11 +60,6 @@ def ci95(values: ArrayLike) -> float:
     return interval.high - interval.estimate
 
 
-def interquartile_mean(values: ArrayLike) -> float:
-    """Mean without the lowest and the highest quarter of the values (rounded down): robust against single trials."""
-    return float(stats.trim_mean(_sample(values, 1), 0.25))
-
-
 def student_t(a: ArrayLike, b: ArrayLike) -> TTest:
     """Test whether two independent samples have the same mean, assuming equal variances.
 

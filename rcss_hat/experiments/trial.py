@@ -18,13 +18,17 @@ import numpy as np
 from rcss_hat.experiments.demonstrating import watch
 from rcss_hat.experiments.episode_log import CYCLES_PER_HOUR
 from rcss_hat.experiments.evaluation import evaluate, frozen_policy
+from rcss_hat.experiments.run_folder import RunConfig, TrainingError, versions
 from rcss_hat.experiments.sets import fingerprint, summary_of
-from rcss_hat.experiments.training import CHECKPOINT_S, RunConfig, TrainingError, TrainingRun, versions
+from rcss_hat.experiments.training import CHECKPOINT_S, TrainingRun
 from rcss_hat.hat.decision_list import DecisionList
 from rcss_hat.hat.demonstrations import DemonstrationSet, combine
-from rcss_hat.hat.files import write_text
 from rcss_hat.hat.transfer import Decisions, Learners
+from rcss_hat.inputs import item
 from rcss_hat.keepaway.report import RunReport
+from rcss_hat.numeric.seeds import derived_seed
+from rcss_hat.system.files import write_text
+from rcss_hat.system.locks import sole_writer
 
 RESULT = "result.json"
 Job = dict[str, Any]
@@ -36,17 +40,27 @@ Job = dict[str, Any]
 """
 INITIAL, FINAL, WATCHED = range(1, 4)
 """Keys of the seeds of a trial's evaluations and of what its teachers watch."""
-
-
-def derived_seed(seed: int, *key: int) -> int:
-    """Return a seed that belongs to a trial's seed and a key, not negative and below 2**31."""
-    return int(np.random.SeedSequence(seed, spawn_key=key).generate_state(1, np.uint32)[0] >> 1)
+PATIENCE_S = 60.0
+"""How long a trial waits for another process that runs it: a worker whose parent was killed is about to end."""
 
 
 def read_result(folder: Path) -> dict[str, Any] | None:
-    """Return the result of a finished trial, or None."""
+    """Return the result of a finished trial, or None.
+
+    Raises
+    ------
+    TrainingError
+        When it is damaged.
+    """
     path = folder / RESULT
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
+    if not path.exists():
+        return None
+    try:
+        result: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+        item(result, "job", str)
+    except (ValueError, RecursionError) as problem:
+        raise TrainingError(f"{path} is damaged: {problem}; delete it, and the trial is run again") from problem
+    return result
 
 
 def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) -> dict[str, Any]:
@@ -69,8 +83,15 @@ def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) 
     ------
     TrainingError
         When the folder holds a trial of another job.
+    InUse
+        When another process runs it, and goes on to.
     """
     folder = Path(folder)
+    with sole_writer(folder, patience=PATIENCE_S):
+        return _run(job, folder, checkpoint_s)
+
+
+def _run(job: Job, folder: Path, checkpoint_s: float) -> dict[str, Any]:
     known = read_result(folder)
     if known is not None:
         if known["job"] != fingerprint(job):
@@ -80,7 +101,7 @@ def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) 
     config = RunConfig.from_dict(job["config"])
     rules = None if job["rules"] is None else DecisionList.from_json(job["rules"])
     demonstrations = _demonstrations(job)
-    decisions = Decisions.of(*demonstrations.sequences()) if demonstrations and config.method.replay_passes else None
+    decisions = Decisions.of(*demonstrations.sequences()) if demonstrations and config.method.needs_decisions else None
     n, seed = job["evaluation_episodes"], config.seed
     result: dict[str, Any] = {
         "condition": job["condition"],
@@ -93,10 +114,9 @@ def run_trial(job: Job, folder: Path | str, checkpoint_s: float = CHECKPOINT_S) 
         "episodes": 0,
         "cycles": 0,
     }
-    folder.mkdir(parents=True, exist_ok=True)
     if config.hours > 0:
-        run = _opened(folder, config, rules, decisions)
-        _learn(run, job["rounds"], demonstrations, checkpoint_s)
+        with _opened(folder, config, rules, decisions) as run:
+            _learn(run, job["rounds"], demonstrations, checkpoint_s)
         result["greedy"] = _evaluation(run.learners, run.rules, config, derived_seed(seed, FINAL), n)
         result["episodes"], result["cycles"] = run.episodes, run.cycles
     result["wall_s"] = round(time.monotonic() - started, 2)
@@ -144,7 +164,7 @@ def _learn(
     gathered = demonstrations
     for number, entry in enumerate(rounds, 1):
         if run.round < number:
-            run.train(checkpoint_s=checkpoint_s, until=round(entry["hour"] * CYCLES_PER_HOUR))
+            _train(run, checkpoint_s, round(entry["hour"] * CYCLES_PER_HOUR))
         if "watch" in entry:
             path = run.folder / f"watched-{number}.csv"
             if run.round < number:
@@ -158,7 +178,13 @@ def _learn(
             else:
                 rules = DecisionList.from_json(entry["rules"])
             run.new_round(rules)
-    run.train(checkpoint_s=checkpoint_s)
+    _train(run, checkpoint_s)
+
+
+def _train(run: TrainingRun, checkpoint_s: float, until: int | None = None) -> None:
+    """Train; Ctrl-C ends the trial, too."""
+    if not run.train(checkpoint_s=checkpoint_s, until=until):
+        raise KeyboardInterrupt
 
 
 def _watched(run: TrainingRun, entry: dict[str, Any], number: int) -> DemonstrationSet:
@@ -171,7 +197,7 @@ def _fresh(config: RunConfig, decisions: Decisions | None) -> Learners:
     task = config.task
     learners = Learners.create(config.learner, config.method, task.keepers, task.takers, config.seed)
     if decisions is not None:
-        learners.replay(decisions)
+        config.method.prepare(learners, decisions)
     return learners
 
 
@@ -181,6 +207,8 @@ def _evaluation(
     if not episodes:
         return None
     report: RunReport = evaluate(frozen_policy(learners, rules, seed), config.task, seed, episodes)
+    if report.failure is not None:  # Ctrl-C: fewer episodes are no evaluation
+        raise KeyboardInterrupt
     durations = np.array(report.durations_s)
     return {
         "seed": seed,

@@ -10,7 +10,8 @@ import csv
 import io
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.hat.decision_list import action_name
-from rcss_hat.hat.files import FileFormatError, item, parse_json, read_text
+from rcss_hat.inputs import MIB, FileFormatError, excerpt, item, parse_json, read_text, whole
+from rcss_hat.keepaway.decision import Decision, action_name
 from rcss_hat.keepaway.report import OUT, TAKEN, UNKNOWN, Episode
 from rcss_hat.keepaway.state import n_state_variables, state_names
 from rcss_hat.keepaway.task import Task
@@ -29,6 +30,12 @@ FORMAT = "rcss-hat demonstration"
 VERSION = 1
 REASONS = {OUT: "out", TAKEN: "taken", UNKNOWN: "unknown"}
 """How an episode ended: letter of the Keepaway log, and word in the header."""
+MAX_CYCLE = 2**31 - 1
+MAX_VALUE = 1e6
+"""Metres or degrees, far beyond any state variable; learning adds and squares them."""
+MAX_TABLE = 256 * MIB
+"""Bytes: a million decisions."""
+_WHOLE = re.compile(r" *[-+]?[0-9]{1,18} *")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,11 +77,15 @@ class DemonstrationInfo:
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A finished episode in the header: who demonstrated it, and how many decisions the table holds."""
+    """A finished episode in the header: who demonstrated it, and how many decisions the table holds.
+
+    ``idle``: a person pressed no key in it, so that it may show that nobody was there.
+    """
 
     episode: Episode
     teacher: str
     decisions: int
+    idle: bool = False
 
 
 def file_pair(path: str | Path) -> tuple[Path, Path]:
@@ -114,9 +125,25 @@ def check_decision(info: DemonstrationInfo, keeper: int, state: Sequence[float],
             raise ValueError(
                 f"s{index} must be a finite number, not {value}; states with unknown players are no decisions"
             )
+        if abs(value) > MAX_VALUE:
+            raise ValueError(f"s{index} must be metres or degrees, not {value}")
     if not 0 <= action < task.keepers:
         names = ", ".join(f"{k} {action_name(k)}" for k in range(task.keepers))
         raise ValueError(f"action must be one of {names} in {task.size}, not {action}")
+
+
+def check_final(info: DemonstrationInfo, episode: Episode) -> None:
+    """Check that the state at the end of an episode, where there is one, is that of the task.
+
+    Raises
+    ------
+    FileFormatError
+    """
+    if episode.final is not None and len(episode.final) != info.n_variables:
+        raise FileFormatError(
+            f"the final state of episode {episode.number} has {len(episode.final)} variables; in {info.task.size} it "
+            f"must be {info.n_variables}"
+        )
 
 
 def check_episode(episode: Episode, cycles: Sequence[int] | NDArray[np.int64]) -> None:
@@ -184,6 +211,8 @@ def _episode_entry(entry: Entry) -> dict[str, Any]:
         "end_reason": REASONS[episode.reason],
         "teacher": entry.teacher,
         "decisions": entry.decisions,
+        **({"idle": True} if entry.idle else {}),
+        **({"final": list(episode.final)} if episode.final is not None else {}),
     }
 
 
@@ -200,30 +229,19 @@ def read_header(path: Path) -> tuple[DemonstrationInfo, list[Entry]]:
         entries = [
             _entry_from(entry, f"episode entry {k}") for k, entry in enumerate(item(content, "episodes", list), start=1)
         ]
-        return _info_from(content), entries
+        info = _info_from(content)
+        for entry in entries:
+            check_final(info, entry.episode)
+        return info, entries
     except FileFormatError as error:
         raise FileFormatError(f"{path}: {error}") from error
 
 
 def _info_from(content: dict[str, Any]) -> DemonstrationInfo:
-    said = item(content, "task", dict)
-    try:
-        task = Task(
-            item(said, "keepers", int, "task"),
-            item(said, "takers", int, "task"),
-            float(item(said, "length", (int, float), "task")),
-            float(item(said, "width", (int, float), "task")),
-            item(said, "vision", int, "task"),
-            item(said, "profile", str, "task"),
-        )
-    except FileFormatError:
-        raise
-    except ValueError as error:
-        raise FileFormatError(f"task: {error}") from error
     return DemonstrationInfo(
         item(content, "teacher", str),
         item(content, "stage", str),
-        task,
+        Task.from_dict(item(content, "task", dict)),
         item(content, "server", dict) if "server" in content else {},
         item(content, "seed", (int, type(None))) if "seed" in content else None,
         item(content, "date", (str, type(None))) if "date" in content else None,
@@ -235,25 +253,24 @@ def _entry_from(content: Any, where: str) -> Entry:
     word = item(content, "end_reason", str, where)
     letters = [letter for letter, name in REASONS.items() if name == word]
     if not letters:
-        raise FileFormatError(f"{where}: 'end_reason' must be {', '.join(REASONS.values())}, not {word!r}")
-    number, start, end = (item(content, key, int, where) for key in ("episode", "start", "end"))
-    decisions = item(content, "decisions", int, where)
-    if decisions < 0:
-        raise FileFormatError(f"{where}: 'decisions' must be 0 or more, not {decisions}")
-    return Entry(Episode(number, start, end, letters[0]), item(content, "teacher", str, where), decisions)
+        raise FileFormatError(f"{where}: 'end_reason' must be {', '.join(REASONS.values())}, not {excerpt(word)}")
+    final = _final_from(content, where) if "final" in content else None
+    number, start, end, decisions = (
+        whole(content, key, where, high=MAX_CYCLE) for key in ("episode", "start", "end", "decisions")
+    )
+    idle = item(content, "idle", bool, where) if "idle" in content else False
+    return Entry(Episode(number, start, end, letters[0], final), item(content, "teacher", str, where), decisions, idle)
+
+
+def _final_from(content: Any, where: str) -> tuple[float, ...]:
+    """Read the state at the end of an episode."""
+    values = item(content, "final", list, where)
+    if not all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= MAX_VALUE for v in values):
+        raise FileFormatError(f"{where}: 'final' must be numbers, metres or degrees, not {excerpt(values)}")
+    return tuple(map(float, values))
 
 
 # --- table ------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Decision:
-    """One row of the table without the number of its episode."""
-
-    cycle: int
-    keeper: int
-    state: tuple[float, ...]
-    action: int
 
 
 def table_head(n_variables: int) -> str:
@@ -274,30 +291,47 @@ def read_table(path: Path, info: DemonstrationInfo, entries: Sequence[Entry]) ->
     FileFormatError
         Naming file, line, and what would be right.
     """
-    text = read_text(path, "table of a demonstration")
-    reader = csv.reader(io.StringIO(text, newline=""))
+    rows = _rows(path, read_text(path, "table of a demonstration", MAX_TABLE))
     expected = columns(info.n_variables)
-    found = next(reader, [])
+    _, found = next(rows, (1, []))
     if found != expected:
+        line = ",".join(found)
         raise FileFormatError(
-            f"{path}, line 1: the columns of {info.task.size} are {','.join(expected)}; found {','.join(found)}"
+            f"{path}, line 1: the columns of {info.task.size} are {','.join(expected)}; found "
+            f"{line if line.isprintable() and len(line) < 200 else excerpt(line, 200)}"
         )
     episodes = []
     for entry in entries:
         decisions = []
         for number in range(1, entry.decisions + 1):
-            cells = next(reader, None)
-            if cells is None:
+            row = next(rows, None)
+            if row is None:
                 raise FileFormatError(
                     f"{path}: ends within episode {entry.episode.number}, before decision {number} of the "
                     f"{entry.decisions} that its header lists; restore the file, or correct the header"
                 )
             try:
-                decisions.append(_decision_from(cells, info, entry))
+                decisions.append(_decision_from(row[1], info, entry))
             except ValueError as error:
-                raise FileFormatError(f"{path}, line {reader.line_num}: {error}") from error
+                raise FileFormatError(f"{path}, line {row[0]}: {error}") from error
         episodes.append(decisions)
     return episodes
+
+
+def _rows(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the rows with the numbers of their lines; a quote that opens must close within its line."""
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    while True:
+        line = reader.line_num + 1
+        try:
+            cells = next(reader)
+        except StopIteration:
+            return
+        except csv.Error as error:
+            raise FileFormatError(f"{path}, line {line}: {error}; is there a quote too many?") from error
+        if reader.line_num > line:
+            raise FileFormatError(f"{path}, line {line}: a quote opens that does not close in this line")
+        yield line, cells
 
 
 def _decision_from(cells: list[str], info: DemonstrationInfo, entry: Entry) -> Decision:
@@ -305,8 +339,9 @@ def _decision_from(cells: list[str], info: DemonstrationInfo, entry: Entry) -> D
     if len(cells) != len(names):
         raise ValueError(f"expected {len(names)} cells, found {len(cells)}")
     numbers = dict(zip(names, cells, strict=True))
-    if _whole(numbers, "episode") != entry.episode.number:
-        raise ValueError(f"expected a decision of episode {entry.episode.number}, found episode {cells[0]}")
+    found = _whole(numbers, "episode")
+    if found != entry.episode.number:
+        raise ValueError(f"expected a decision of episode {entry.episode.number}, found episode {found}")
     state = tuple(_real(numbers, name) for name in names[3:-1])
     decision = Decision(_whole(numbers, "cycle"), _whole(numbers, "keeper"), state, _whole(numbers, "action"))
     check_decision(info, decision.keeper, state, decision.action)
@@ -314,14 +349,13 @@ def _decision_from(cells: list[str], info: DemonstrationInfo, entry: Entry) -> D
 
 
 def _whole(cells: dict[str, str], name: str) -> int:
-    try:
-        return int(cells[name])
-    except ValueError:
-        raise ValueError(f"{name} must be a whole number, not {cells[name]!r}") from None
+    if not _WHOLE.fullmatch(cells[name]):
+        raise ValueError(f"{name} must be a whole number, not {excerpt(cells[name])}")
+    return int(cells[name])
 
 
 def _real(cells: dict[str, str], name: str) -> float:
     try:
         return float(cells[name])
     except ValueError:
-        raise ValueError(f"{name} must be a number, not {cells[name]!r}") from None
+        raise ValueError(f"{name} must be a number, not {excerpt(cells[name])}") from None

@@ -1,4 +1,7 @@
-"""The printed form of rules in the HAT paper: writing conditions, reading rules."""
+"""The printed forms of rules: the HAT paper's, which is written and read, and Weka's JRip's, which is read.
+
+JRip prints no numbers for the actions one by one, only how much weight a rule covers and how much of it is wrong.
+"""
 
 from __future__ import annotations
 
@@ -6,23 +9,44 @@ import re
 from typing import NamedTuple, NoReturn
 
 from rcss_hat.hat.conditions import AT_LEAST, AT_MOST, Condition
-from rcss_hat.hat.files import FileFormatError
+from rcss_hat.inputs import FileFormatError, excerpt
 
-ParsedRule = tuple[tuple[Condition, ...], int]
-"""Conditions and action."""
+_MAX_DIGITS = 6
+"""Of a variable's or an action's number."""
+MAX_WEIGHT = 1e15
+"""Of the training rows that a rule decides, far beyond any."""
 
 _TOKEN = re.compile(
     r"""(?P<skip>\s+|\#[^\n]*)
-      | (?P<variable>state_?\{?(?P<index>\d+)\}?)
+      | (?P<variable>(?:state|s)_?\{?(?P<index>\d+)\}?(?!\w))
       | (?P<word>[A-Za-z_]\w*)
       | (?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
       | (?P<at_most><=|≤)
       | (?P<at_least>>=|≥)
       | (?P<arrow>->|→|=>)
-      | (?P<sign>[()=])""",
+      | (?P<sign>[()=/])""",
     re.VERBOSE | re.IGNORECASE,
 )
 _PASS = re.compile(r"pass(\d+)")
+_JRIP_HEAD = re.compile(r"^[ \t]*JRIP rules:[ \t]*\n(?:[ \t]*=+[ \t]*\n)?", re.MULTILINE | re.IGNORECASE)
+_JRIP_END = re.compile(r"^[ \t]*Number of Rules[ \t]*:[ \t]*(\d+)[ \t]*$", re.MULTILINE | re.IGNORECASE)
+
+
+class ParsedRule(NamedTuple):
+    """A rule as it was printed.
+
+    Attributes
+    ----------
+    conditions : tuple of Condition
+    action : int
+    covered, wrong : float or None
+        Weight of the training rows it covers, and of those with another action; None where that was not printed.
+    """
+
+    conditions: tuple[Condition, ...]
+    action: int
+    covered: float | None = None
+    wrong: float | None = None
 
 
 class _Token(NamedTuple):
@@ -44,16 +68,31 @@ def _number(value: float, digits: int | None) -> str:
 def parse_rules(text: str) -> list[ParsedRule]:
     """Read rules; the last one is the default, without conditions.
 
+    Parameters
+    ----------
+    text : str
+        As the HAT paper prints them; or as Weka prints JRip's, with or without everything around them.
+
     Raises
     ------
     FileFormatError
     """
-    return _Parser(_tokens(text)).rules()
+    head = _JRIP_HEAD.search(text)
+    begin = head.end() if head else 0
+    end = _JRIP_END.search(text, begin)
+    body = text[begin : end.start() if end else len(text)]
+    parser = _Parser(_tokens(body, 1 + text.count("\n", 0, begin)))
+    if not (head or end or parser.peek("sign", "(") or parser.peek("arrow")):
+        return parser.rules()
+    rules = parser.jrip_rules()
+    if end and int(end[1][:_MAX_DIGITS]) != len(rules):
+        raise FileFormatError(f"it says that there are {end[1][:_MAX_DIGITS]} rules, but has {len(rules)}")
+    return rules
 
 
-def _tokens(text: str) -> list[_Token]:
+def _tokens(text: str, line: int = 1) -> list[_Token]:
     tokens = []
-    position, line = 0, 1
+    position = 0
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
@@ -82,13 +121,44 @@ class _Parser:
                 self.need("'if (' or 'else ->'", "word", "if")
             elif not self.take("word", "elseif") and not self.take("word", "elif"):
                 self.fail("'elseif (' or 'else ->'")
-            rules.append((self.conditions(), self.action()))
+            rules.append(ParsedRule(self.conditions(), self.action()))
             if self.peek("word", "else") and self.tokens[self.at + 1].value == "if":
                 self.at += 1
                 self.tokens[self.at] = self.tokens[self.at]._replace(value="elseif")
-        rules.append(((), self.action()))
+        rules.append(ParsedRule((), self.action()))
         self.need("nothing more after the default action", "end")
         return rules
+
+    def jrip_rules(self) -> list[ParsedRule]:
+        rules: list[ParsedRule] = []
+        while not rules or rules[-1].conditions:
+            conditions: list[Condition] = []
+            while self.take("sign", "("):
+                conditions.append(self.condition())
+                self.need("')'", "sign", ")")
+                if not self.take("word", "and"):
+                    break
+            self.need("'(state_... ) and ... => Action=...' or ' => Action=...', as JRip prints rules", "arrow")
+            self.need("'Action='", "word")
+            self.need("'='", "sign", "=")
+            rules.append(ParsedRule(tuple(conditions), self.named_action(), *self.jrip_weights()))
+        self.need("nothing more after the default action", "end")
+        return rules
+
+    def jrip_weights(self) -> tuple[float | None, float | None]:
+        """Read ``(30.0/2.0)``: weight covered, and of that wrong."""
+        if not self.take("sign", "("):
+            return None, None
+        covered = self.need("a weight", "number")
+        wrong = self.need("a weight", "number").value if self.take("sign", "/") else "0"
+        self.need("')'", "sign", ")")
+        numbers = float(covered.value), float(wrong)
+        if not 0.0 <= numbers[1] <= numbers[0] < MAX_WEIGHT:
+            raise FileFormatError(
+                f"line {covered.line}: ({covered.value}/{wrong}) must be the weight a rule covers, and how much of it "
+                "is wrong"
+            )
+        return numbers
 
     def conditions(self) -> tuple[Condition, ...]:
         self.need("'('", "sign", "(")
@@ -107,7 +177,7 @@ class _Parser:
             operator = AT_LEAST
         token = self.need("a number", "number")
         try:
-            return Condition(int(feature.value), operator, float(token.value))
+            return Condition(self.index(feature), operator, float(token.value))
         except ValueError as error:
             raise FileFormatError(f"line {token.line}: {error}") from error
 
@@ -115,15 +185,24 @@ class _Parser:
         self.need("'->'", "arrow")
         self.need("'Action = '", "word", "action")
         self.need("'='", "sign", "=")
+        return self.named_action()
+
+    def named_action(self) -> int:
         named = self.tokens[self.at]
         passing = _PASS.fullmatch(named.value)
         if named.kind == "word" and (named.value == "hold" or passing):
             self.at += 1
-            return int(passing[1]) if passing else 0
+            return self.index(named._replace(value=passing[1])) if passing else 0
         token = self.need("a whole number, Hold, PASS1, ...", "number")
-        if not token.value.isdigit():
+        if not token.value.isdecimal():
             self.at -= 1
             self.fail("a whole number, Hold, PASS1, ...")
+        return self.index(token)
+
+    def index(self, token: _Token) -> int:
+        """Return the number of a variable or an action."""
+        if len(token.value) > _MAX_DIGITS:
+            raise FileFormatError(f"line {token.line}: {excerpt(token.text)} does not exist")
         return int(token.value)
 
     def peek(self, kind: str, value: str | None = None) -> bool:
@@ -142,5 +221,5 @@ class _Parser:
 
     def fail(self, expected: str) -> NoReturn:
         token = self.tokens[self.at]
-        found = token.text if token.kind == "end" else repr(token.text)
+        found = token.text if token.kind == "end" else excerpt(token.text)
         raise FileFormatError(f"line {token.line}: expected {expected}, found {found}")

@@ -1,7 +1,7 @@
 """Decision lists: the policy summaries that HAT hands from a demonstration to a learner.
 
 A list is immutable. It prints as in the HAT paper (section 5), is kept as JSON with thresholds to the last bit, and
-becomes one array for kernels (``to_arrays``, ``advise``).
+becomes one array for kernels (``to_arrays``; ``rule_rows`` reads it).
 """
 
 from __future__ import annotations
@@ -15,70 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rcss_hat.hat._rule_text import parse_rules, rule_text
-from rcss_hat.hat.conditions import AT_LEAST, Condition
-from rcss_hat.hat.files import FileFormatError, item, parse_json, read_text, write_text
+from rcss_hat.hat._rule_text import MAX_WEIGHT, ParsedRule, parse_rules, rule_text
+from rcss_hat.hat.conditions import AT_LEAST
+from rcss_hat.hat.rule import Rule, counts_from, rule_from
+from rcss_hat.hat.rule_rows import RULE_ROW, RuleArrays
+from rcss_hat.inputs import FileFormatError, excerpt, item, parse_json, read_text
+from rcss_hat.keepaway.decision import action_name
 from rcss_hat.keepaway.state import n_state_variables, state_names
-from rcss_hat.numeric.jit import njit
+from rcss_hat.system.files import write_text
 
 FORMAT = "rcss-hat decision list"
 VERSION = 1
-
-RULE_ROW = np.dtype(
-    [
-        ("feature", "i4"),  # variable to compare; -1: an answer
-        ("skip", "i4"),  # row to go on with when the comparison fails
-        ("action", "i4"),  # answers: the action, else -1
-        ("sign", "f8"),  # 1: at most the threshold, -1: at least
-        ("threshold", "f8"),
-        ("confidence", "f8"),  # answers: Laplace estimate of being right; 1 where there are no training counts
-    ]
-)
-"""A row of a decision list as kernels read it: a comparison, or, after the comparisons of a rule, its answer."""
-
-RuleArrays = NDArray[np.void]
-"""Rows of ``RULE_ROW``; one array whatever the length of the list, so that kernels are compiled once."""
-
-
-def action_name(action: int) -> str:
-    """Name of a macro-action: ``Hold``, ``PASS1`` (to the nearer team mate), ``PASS2`` and so on."""
-    return f"PASS{action}" if action else "Hold"
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """Conditions, all of which must hold, and the action they advise.
-
-    Attributes
-    ----------
-    conditions : tuple of Condition
-        In the order they were learned; none in a default rule.
-    action : int
-    counts : tuple of float or None
-        Weight, per action, of the training rows that the rule decides.
-    """
-
-    conditions: tuple[Condition, ...]
-    action: int
-    counts: tuple[float, ...] | None = None
-
-    def covers(self, state: Sequence[float] | NDArray[np.float64]) -> bool:
-        """Whether all conditions hold in a state."""
-        return all(condition.holds(float(state[condition.feature])) for condition in self.conditions)
-
-    @property
-    def precision(self) -> float | None:
-        """Share of the training rows decided whose action is the rule's; None without any."""
-        if self.counts is None or sum(self.counts) <= 0.0:
-            return None
-        return self.counts[self.action] / sum(self.counts)
-
-    @property
-    def confidence(self) -> float:
-        """Laplace estimate of that share, (right + 1) / (all + number of actions); 1 without training counts."""
-        if self.counts is None:
-            return 1.0
-        return (self.counts[self.action] + 1.0) / (sum(self.counts) + len(self.counts))
+MAX_TEAM = 11
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +63,9 @@ class DecisionList:
     title: str = ""
 
     def __post_init__(self) -> None:
+        if not (1 <= self.keepers <= MAX_TEAM and 1 <= self.takers <= MAX_TEAM):
+            size = f"{excerpt(self.keepers)}v{excerpt(self.takers)}"
+            raise ValueError(f"a team has 1 to {MAX_TEAM} players; there is no Keepaway of {size}")
         n_variables = n_state_variables(self.keepers, self.takers)
         if not self.names:
             object.__setattr__(self, "names", tuple(state_names(self.keepers, self.takers)))
@@ -128,14 +79,19 @@ class DecisionList:
 
     def _check_rule(self, rule: Rule, where: str, n_variables: int) -> None:
         if not 0 <= rule.action < self.keepers:
-            raise ValueError(f"{where}: {self._task} has the actions 0 to {self.keepers - 1}, not {rule.action!r}")
+            raise ValueError(
+                f"{where}: {self._task} has the actions 0 to {self.keepers - 1}, not {excerpt(rule.action)}"
+            )
         for condition in rule.conditions:
             if condition.feature >= n_variables:
                 raise ValueError(
-                    f"{where}: {self._task} has state_0 to state_{n_variables - 1}, not state_{condition.feature}"
+                    f"{where}: {self._task} has state_0 to state_{n_variables - 1}, "
+                    f"not state_{excerpt(condition.feature)}"
                 )
-        if rule.counts is not None and (len(rule.counts) != self.keepers or not all(c >= 0.0 for c in rule.counts)):
-            raise ValueError(f"{where}: counts must be {self.keepers} numbers, one per action and not negative")
+        if rule.counts is not None and (
+            len(rule.counts) != self.keepers or not all(0.0 <= c <= MAX_WEIGHT for c in rule.counts)
+        ):
+            raise ValueError(f"{where}: counts must be {self.keepers} numbers, one per action, 0 to {MAX_WEIGHT:g}")
 
     @property
     def _task(self) -> str:
@@ -239,14 +195,17 @@ class DecisionList:
 
     @classmethod
     def parse(cls, text: str, keepers: int = 3, takers: int = 2, title: str = "") -> DecisionList:
-        """Read rules printed as in the HAT paper.
+        """Read rules printed as in the HAT paper, or by Weka's JRip.
 
         Parameters
         ----------
         text : str
             ``if (state_11 >= 74.84 and state_3 <= 5.99) -> Action = 1``, then ``elseif (...) -> Action = 2``, at the
             end ``else -> Action = 0``. Comments run from ``#`` to the end of the line; line breaks do not matter; the
-            signs ≤, ≥ and → and names of actions (Hold, PASS1) are understood.
+            signs ≤, ≥ and → and names of actions (Hold, PASS1) are understood. Or what Weka prints for JRip:
+            ``(state_11 >= 74.84) and (state_3 <= 5.99) => Action=1 (30.0/2.0)``, at the end `` => Action=0 (9.0/1.0)``.
+            JRip counts the wrong rows of a rule together; they are shared out evenly among the other actions, so that
+            `Rule.precision` and `Rule.confidence` are right.
         keepers, takers : int
         title : str
 
@@ -255,10 +214,16 @@ class DecisionList:
         FileFormatError
             Naming the line, what was found and what was expected.
         """
-        rules = parse_rules(text)
-        *conditional, (_, default_action) = rules
+        *conditional, default = parse_rules(text)
         try:
-            return cls(tuple(Rule(*rule) for rule in conditional), default_action, keepers, takers, title=title)
+            return cls(
+                tuple(Rule(rule.conditions, rule.action, _spread(rule, keepers)) for rule in conditional),
+                default.action,
+                keepers,
+                takers,
+                _spread(default, keepers),
+                title=title,
+            )
         except ValueError as error:
             raise FileFormatError(str(error)) from error
 
@@ -299,18 +264,20 @@ class DecisionList:
             Naming the entry and what it should be.
         """
         content = parse_json(text, FORMAT, VERSION)
-        rules = [_rule_from(entry, f"rule {k}") for k, entry in enumerate(item(content, "rules", list), start=1)]
+        rules = [rule_from(entry, f"rule {k}") for k, entry in enumerate(item(content, "rules", list), start=1)]
         default = item(content, "default", dict)
         names = item(content, "variables", list) if "variables" in content else []
+        if not all(isinstance(name, str) for name in names):
+            raise FileFormatError(f"'variables' must be a list of names, not {excerpt(names)}")
         try:
             return cls(
                 tuple(rules),
                 item(default, "action", int, "default"),
                 item(content, "keepers", int),
                 item(content, "takers", int),
-                _counts_from(default, "default"),
-                tuple(str(name) for name in names),
-                str(content.get("title", "")),
+                counts_from(default, "default"),
+                tuple(names),
+                item(content, "title", str) if "title" in content else "",
             )
         except FileFormatError:
             raise
@@ -365,36 +332,6 @@ class DecisionList:
         return np.array(rows, dtype=RULE_ROW)
 
 
-@njit
-def deciding_row(rules: RuleArrays, state: NDArray[np.float64]) -> int:
-    """Find the row of the answer for a state.
-
-    Parameters
-    ----------
-    rules : ndarray of RULE_ROW
-    state : ndarray of float64, shape (n_variables,)
-
-    Returns
-    -------
-    int
-        Index of the row whose fields ``action`` and ``confidence`` hold.
-    """
-    feature, skip, sign, threshold = rules["feature"], rules["skip"], rules["sign"], rules["threshold"]
-    row = 0
-    while feature[row] >= 0:
-        if sign[row] * state[feature[row]] <= sign[row] * threshold[row]:
-            row += 1
-        else:
-            row = skip[row]
-    return row
-
-
-@njit
-def advise(rules: RuleArrays, state: NDArray[np.float64]) -> int:
-    """Return the action that a decision list advises in a state; see ``deciding_row``."""
-    return rules["action"][deciding_row(rules, state)]
-
-
 def _as_action(label: Any, keepers: int) -> int:
     try:
         action = int(label)
@@ -405,31 +342,14 @@ def _as_action(label: Any, keepers: int) -> int:
     return action
 
 
-def _rule_from(entry: Any, where: str) -> Rule:
-    conditions = []
-    for condition in item(entry, "if", list, where):
-        try:
-            conditions.append(
-                Condition(
-                    item(condition, "variable", int, where),
-                    item(condition, "operator", str, where),
-                    float(item(condition, "threshold", (int, float), where)),
-                )
-            )
-        except FileFormatError:
-            raise
-        except (ValueError, OverflowError) as error:
-            raise FileFormatError(f"{where}: {error}") from error
-    return Rule(tuple(conditions), item(entry, "action", int, where), _counts_from(entry, where))
-
-
-def _counts_from(entry: Any, where: str) -> tuple[float, ...] | None:
-    counts = entry.get("counts")
-    if counts is None:
+def _spread(rule: ParsedRule, keepers: int) -> tuple[float, ...] | None:
+    """Counts by action of a rule of which only the sums of right and wrong rows are known."""
+    if rule.covered is None or rule.wrong is None or keepers < 2:
         return None
-    if not isinstance(counts, list) or any(isinstance(c, bool) or not isinstance(c, int | float) for c in counts):
-        raise FileFormatError(f"{where}: 'counts' must be a list of numbers or null, not {counts!r}")
-    return tuple(float(count) for count in counts)
+    counts = [rule.wrong / (keepers - 1)] * keepers
+    if rule.action < keepers:  # else the list is refused
+        counts[rule.action] = rule.covered - rule.wrong
+    return tuple(counts)
 
 
 PAPER_RULES = DecisionList.parse(

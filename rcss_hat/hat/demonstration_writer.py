@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.hat._demonstration_file import (
-    Decision,
     DemonstrationInfo,
     Entry,
     check_decision,
     check_episode,
+    check_final,
     file_pair,
     header_text,
     read_header,
@@ -24,8 +24,11 @@ from rcss_hat.hat._demonstration_file import (
     table_head,
     table_rows,
 )
-from rcss_hat.hat.files import FileFormatError, write_text
+from rcss_hat.inputs import FileFormatError
+from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import Episode
+from rcss_hat.system.files import append, write_text
+from rcss_hat.system.locks import SoleWriter
 
 
 class DemonstrationWriter:
@@ -37,20 +40,24 @@ class DemonstrationWriter:
     Parameters
     ----------
     path : str or Path
-        The table, ``x.csv``; its header is ``x.json``.
+        The table, ``x.csv``; its header is ``x.json``. No other process can write to it until the end of a ``with``.
     info : DemonstrationInfo
     resume : bool, default=False
-        Go on with an existing file of the same teacher, task and stage; otherwise there must be none.
+        Go on with an existing file that was made in the same way; otherwise there must be none with an episode in it.
 
     Attributes
     ----------
+    info : DemonstrationInfo
+        Of a resumed file: what it said before.
     entries : list of Entry
         Episodes recorded, earlier ones of a resumed file included.
 
     Raises
     ------
     FileFormatError
-        When the file exists and is not to be resumed, or is of another task, teacher or stage.
+        When the file exists and is not to be resumed, or was made in another way: by another teacher, for example.
+    InUse
+        When another process writes to it.
     """
 
     def __init__(self, path: str | Path, info: DemonstrationInfo, resume: bool = False) -> None:
@@ -58,13 +65,14 @@ class DemonstrationWriter:
         self.info = info
         self.entries: list[Entry] = []
         self._decisions: list[Decision] = []
-        if self.table.exists() or self.header.exists():
-            if not resume:
-                raise FileFormatError(f"{self.table} exists already; go on with it (resume), or choose another name")
+        self._right = SoleWriter(self.table, folder=False)
+        if not self._begun():
+            self._write_header(self.entries)  # first: a table of which no header tells is not ours to write over
+            write_text(self.table, table_head(info.n_variables))
+        elif resume:
             self._take_over()
         else:
-            write_text(self.table, table_head(info.n_variables))
-            self._write_header()
+            raise FileFormatError(f"{self.table} exists already; go on with it (resume), or choose another name")
 
     def add(self, cycle: int, keeper: int, state: Sequence[float] | NDArray[np.float64], action: int) -> None:
         """Record a decision of the running episode.
@@ -91,7 +99,9 @@ class DemonstrationWriter:
             raise ValueError(f"cycle {cycle} comes before the last decision's, {self._decisions[-1].cycle}")
         self._decisions.append(Decision(int(cycle), int(keeper), numbers, int(action)))
 
-    def end_episode(self, start: int, end: int, reason: str) -> Episode:
+    def end_episode(
+        self, start: int, end: int, reason: str, idle: bool = False, final: Sequence[float] | None = None
+    ) -> Episode:
         """Keep the running episode.
 
         Parameters
@@ -100,6 +110,10 @@ class DemonstrationWriter:
             Cycles of its begin and end.
         reason : {"o", "t", "?"}
             Ball out, taken, or not known.
+        idle : bool
+            The person pressed no key in it.
+        final : sequence of float, optional
+            State variables at its end.
 
         Returns
         -------
@@ -110,16 +124,23 @@ class DemonstrationWriter:
         ------
         ValueError
             When the decisions do not lie within these cycles; the running episode stays as it is.
+        NotWritten
+            When the disk is full, for example; the running episode and the file stay as they are.
         """
         number = self.entries[-1].episode.number + 1 if self.entries else 1
-        episode = Episode(number, int(start), int(end), reason)
+        seen = None if final is None else tuple(map(float, final))
+        episode = Episode(number, int(start), int(end), reason, seen)
+        check_final(self.info, episode)
         check_episode(episode, [decision.cycle for decision in self._decisions])
-        with self.table.open("a", encoding="utf-8", newline="") as file:
-            file.write(table_rows(number, self._decisions))
-            file.flush()
-            os.fsync(file.fileno())
-        self.entries.append(Entry(episode, self.info.teacher, len(self._decisions)))
-        self._write_header()
+        entries = [*self.entries, Entry(episode, self.info.teacher, len(self._decisions), idle)]
+        size = self.table.stat().st_size
+        append(self.table, table_rows(number, self._decisions).encode())
+        try:
+            self._write_header(entries)
+        except BaseException:
+            os.truncate(self.table, size)
+            raise
+        self.entries = entries
         self._decisions = []
         return episode
 
@@ -144,18 +165,38 @@ class DemonstrationWriter:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.drop_episode()
+        self._right.release()
 
-    def _write_header(self) -> None:
-        write_text(self.header, header_text(self.info, self.entries, self.table.name))
+    def remove_if_empty(self) -> None:
+        """Leave no files of a recording without an episode."""
+        if not self.entries:
+            self.table.unlink(missing_ok=True)
+            self.header.unlink(missing_ok=True)
+
+    def _write_header(self, entries: Sequence[Entry]) -> None:
+        write_text(self.header, header_text(self.info, entries, self.table.name))
+
+    def _begun(self) -> bool:
+        """Whether there is something to lose: an episode, or a table that is not known to be empty."""
+        return bool(read_header(self.header)[1]) if self.header.exists() else self.table.exists()
 
     def _take_over(self) -> None:
         info, self.entries = read_header(self.header)
-        for what in ("teacher", "stage", "task"):
-            old, new = getattr(info, what), getattr(self.info, what)
-            if old != new:
-                raise FileFormatError(f"{self.header}: cannot go on with it: its {what} is {old!r}, not {new!r}")
+        for what, (old, new) in _differences(info, self.info):
+            raise FileFormatError(f"{self.header}: cannot go on with it: its {what} is {old!r}, not {new!r}")
+        self.info = info
         read_table(self.table, info, self.entries)
         n_lines = 1 + self.n_decisions
         with self.table.open("rb+") as file:
             size = sum(len(file.readline()) for _ in range(n_lines))
             file.truncate(size)
+
+
+def _differences(old: DemonstrationInfo, new: DemonstrationInfo) -> Iterator[tuple[str, tuple[object, object]]]:
+    """Name what makes episodes of two recordings different in kind, with both values."""
+    for what in ("teacher", "stage", "task", "notes"):
+        if getattr(old, what) != getattr(new, what):
+            yield what, (getattr(old, what), getattr(new, what))
+    for name in sorted(old.server.keys() & new.server.keys()):
+        if old.server[name] != new.server[name]:
+            yield f"server::{name}", (old.server[name], new.server[name])

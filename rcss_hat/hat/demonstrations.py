@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.hat._demonstration_file import (
-    Decision,
     DemonstrationInfo,
     Entry,
     check_decision,
     check_episode,
+    check_final,
     columns,
     file_pair,
     header_text,
@@ -24,10 +24,12 @@ from rcss_hat.hat._demonstration_file import (
     table_head,
     table_rows,
 )
-from rcss_hat.hat.decision_list import action_name
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
-from rcss_hat.hat.files import FileFormatError, write_text
+from rcss_hat.hat.description import Description, coverage
+from rcss_hat.inputs import FileFormatError
+from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import OUT, UNKNOWN, Episode
+from rcss_hat.system.files import write_text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -42,7 +44,6 @@ __all__ = [
     "combine",
 ]
 
-COVERAGE_BINS = 10
 PICKS = ("first", "best", "worst", "random")
 """Ways to pick episodes of a set."""
 T = TypeVar("T")
@@ -65,6 +66,8 @@ class Demonstration:
         Metres and degrees; order of ``rcss_hat.keepaway.state``.
     actions : ndarray of int64, shape (n,)
         0 = Hold, 1 = PASS1 and so on.
+    idle : bool
+        A person pressed no key in it.
 
     Notes
     -----
@@ -77,6 +80,7 @@ class Demonstration:
     keepers: NDArray[np.int64]
     states: NDArray[np.float64]
     actions: NDArray[np.int64]
+    idle: bool = False
 
     def __post_init__(self) -> None:
         for name, kind in (("cycles", np.int64), ("keepers", np.int64), ("states", np.float64), ("actions", np.int64)):
@@ -92,6 +96,21 @@ class Demonstration:
             )
         check_episode(self.episode, self.cycles)
 
+    @classmethod
+    def of(
+        cls, episode: Episode, teacher: str, decisions: Sequence[Decision], n_variables: int, idle: bool = False
+    ) -> Demonstration:
+        """Make a demonstration of decisions, given one by one; those of a task have ``n_variables`` state variables."""
+        return cls(
+            episode,
+            teacher,
+            np.array([d.cycle for d in decisions], dtype=np.int64),
+            np.array([d.keeper for d in decisions], dtype=np.int64),
+            np.array([d.state for d in decisions], dtype=np.float64).reshape(-1, n_variables),
+            np.array([d.action for d in decisions], dtype=np.int64),
+            idle,
+        )
+
     def __len__(self) -> int:
         """Number of decisions."""
         return len(self.actions)
@@ -99,7 +118,8 @@ class Demonstration:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Demonstration):
             return NotImplemented
-        return (self.episode, self.teacher) == (other.episode, other.teacher) and all(
+        mine, others = ((d.episode, d.episode.final, d.teacher, d.idle) for d in (self, other))
+        return mine == others and all(
             np.array_equal(getattr(self, name), getattr(other, name))
             for name in ("cycles", "keepers", "states", "actions")
         )
@@ -140,6 +160,7 @@ class DemonstrationSet:
 
     def __post_init__(self) -> None:
         for demonstration in self.episodes:
+            check_final(self.info, demonstration.episode)
             for index, decision in enumerate(demonstration.decisions, start=1):
                 try:
                     check_decision(self.info, decision.keeper, decision.state, decision.action)
@@ -278,7 +299,8 @@ class DemonstrationSet:
             ends.count(OUT) / len(ends) if ends else float("nan"),
             np.bincount(self.y, minlength=n_actions),
             np.stack([rows.min(0), rows.mean(0), rows.max(0)]) if len(rows) else np.full((3, rows.shape[1]), np.nan),
-            _coverage(rows, self.info),
+            coverage(rows, self.info),
+            sum(d.idle for d in self.episodes),
         )
 
     # --- files --------------------------------------------------------------------------------------------------
@@ -288,7 +310,7 @@ class DemonstrationSet:
         table, header = file_pair(path)
         rows = (table_rows(d.episode.number, d.decisions) for d in self.episodes)
         write_text(table, table_head(self.info.n_variables) + "".join(rows))
-        entries = [Entry(d.episode, d.teacher, len(d)) for d in self.episodes]
+        entries = [Entry(d.episode, d.teacher, len(d), d.idle) for d in self.episodes]
         write_text(header, header_text(self.info, entries, table.name))
 
     @classmethod
@@ -304,18 +326,8 @@ class DemonstrationSet:
         info, entries = read_header(header)
         episodes = []
         for entry, decisions in zip(entries, read_table(table, info, entries), strict=True):
-            states = np.array([d.state for d in decisions], dtype=np.float64).reshape(-1, info.n_variables)
             try:
-                episodes.append(
-                    Demonstration(
-                        entry.episode,
-                        entry.teacher,
-                        np.array([d.cycle for d in decisions], dtype=np.int64),
-                        np.array([d.keeper for d in decisions], dtype=np.int64),
-                        states,
-                        np.array([d.action for d in decisions], dtype=np.int64),
-                    )
-                )
+                episodes.append(Demonstration.of(entry.episode, entry.teacher, decisions, info.n_variables, entry.idle))
             except ValueError as error:
                 raise FileFormatError(f"{table}: {error}") from error
         return cls(info, tuple(episodes))
@@ -364,78 +376,6 @@ def combine(sets: Iterable[DemonstrationSet]) -> DemonstrationSet:
         "; ".join(dict.fromkeys(info.notes for info in infos if info.notes)),
     )
     return DemonstrationSet(info, tuple(episodes))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Description:
-    """Figures of a demonstration.
-
-    Attributes
-    ----------
-    info : DemonstrationInfo
-    durations : ndarray, shape (n_episodes,)
-        Seconds.
-    share_out : float
-        Share of the episodes that ended with the ball out, of those whose end is known; nan without any.
-    action_counts : ndarray of int, shape (n_actions,)
-    ranges : ndarray, shape (3, n_variables)
-        Minimum, mean and maximum of each state variable.
-    coverage : ndarray, shape (n_variables,)
-        Share of ten equal parts of each variable's possible range in the region that hold a decision.
-    """
-
-    info: DemonstrationInfo
-    durations: NDArray[np.float64]
-    share_out: float
-    action_counts: NDArray[np.int64]
-    ranges: NDArray[np.float64]
-    coverage: NDArray[np.float64]
-
-    @property
-    def action_shares(self) -> NDArray[np.float64]:
-        """Share of each action; nan without decisions."""
-        total = self.action_counts.sum()
-        return self.action_counts / total if total else np.full(len(self.action_counts), np.nan)
-
-    def to_text(self) -> str:
-        """Return the figures for people."""
-        task = self.info.task
-        where = f"{self.info.stage}: {task.size}, {task.field} m, vision {task.vision}"
-        lines = [f"Demonstration of {self.info.teacher} on {where}"]
-        if not len(self.durations):
-            return "\n".join([*lines, "  no episode was finished"])
-        d = self.durations
-        lines.append(
-            f"  {len(d)} episodes, mean {d.mean():.2f} s (sd {d.std():.2f}, shortest {d.min():.1f}, "
-            f"median {np.median(d):.1f}, longest {d.max():.1f})"
-            + ("" if np.isnan(self.share_out) else f"; {100 * self.share_out:.0f} % ended with the ball out")
-        )
-        shares = zip(range(len(self.action_counts)), self.action_counts, self.action_shares, strict=True)
-        actions = ", ".join(f"{action_name(k)} {n} ({100 * share:.1f} %)" for k, n, share in shares)
-        lines.append(f"  {self.action_counts.sum()} decisions: {actions}")
-        width = max(map(len, self.info.variable_names))
-        lines.append(f"  {'variable':<{width + 11}}{'min':>8}{'mean':>8}{'max':>8}{'covered':>9}")
-        for k, name in enumerate(self.info.variable_names):
-            low, mean, high = self.ranges[:, k]
-            label = f"state_{k} {name}"
-            covered = f"{100 * self.coverage[k]:.0f} %"
-            lines.append(f"  {label:<{width + 11}}{low:8.2f}{mean:8.2f}{high:8.2f}{covered:>9}")
-        return "\n".join(lines)
-
-
-def _coverage(rows: NDArray[np.float64], info: DemonstrationInfo) -> NDArray[np.float64]:
-    bins = np.clip((COVERAGE_BINS * rows / _state_ranges(info)).astype(np.int64), 0, COVERAGE_BINS - 1)
-    return np.array([len(np.unique(column)) for column in bins.T]) / COVERAGE_BINS
-
-
-def _state_ranges(info: DemonstrationInfo) -> NDArray[np.float64]:
-    """Largest value each variable can take inside the region: half the diagonal, the diagonal, or 180 degrees."""
-    task = info.task
-    diagonal = float(np.hypot(task.length, task.width))
-    mates, players = task.keepers - 1, task.keepers - 1 + task.takers
-    return np.array(
-        [diagonal / 2] + [diagonal] * players + [diagonal / 2] * players + [diagonal] * mates + [180.0] * mates
-    )
 
 
 def _joined(arrays: list[NDArray[np.int64]]) -> NDArray[np.int64]:

@@ -10,7 +10,8 @@ from __future__ import annotations
 import re
 
 from rcss_hat.hat.conditions import Condition
-from rcss_hat.hat.decision_list import DecisionList, Rule
+from rcss_hat.hat.decision_list import DecisionList
+from rcss_hat.hat.rule import Rule
 from rcss_hat.keepaway.state import state_names
 
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.model_selection import GroupKFold, StratifiedKFold
 
-from rcss_hat.hat.decision_list import DecisionList, action_name
+from rcss_hat.hat.decision_list import DecisionList
 from rcss_hat.hat.demonstrations import DemonstrationSet
 from rcss_hat.hat.ripper import RipperClassifier
+from rcss_hat.keepaway.decision import action_name
 
 FOLDS = 10
 

@@ -17,8 +17,10 @@ from rcss_hat.keepaway.keeper import (
     NO_DECISION,
     STEP,
     UNKNOWN,
+    DecisionPoint,
+    Plan,
+    decide,
     keeper_acts,
-    keeper_decides,
 )
 from rcss_hat.keepaway.taker import taker_acts
 from rcss_hat.numeric import rng
@@ -41,6 +43,7 @@ __all__ = [
     "NO_DECISION",
     "STEP",
     "UNKNOWN",
+    "DecisionPoint",
     "act",
     "decide",
     "landmarks_wanted",
@@ -184,59 +187,36 @@ def _guess_ending(agent: Record, params: Record) -> None:
 
 
 @kernel
-def decide(agent: Record, params: Record, state_out: NDArray[np.float64]) -> int:
-    """Find out whether a keeper's policy has to be asked.
-
-    ``agent["ended"][0]`` is 1 when the previous episode ended since the last call; then ``agent["ended_acted"][0]``
-    tells whether this keeper decided in it and ``agent["final_reward"][0]`` is the reward of its last decision. The
-    learner takes these before anything else.
-
-    Parameters
-    ----------
-    agent, params : record
-    state_out : ndarray of float64, shape (n_state_variables,)
-        Gets the state when it is defined.
-
-    Returns
-    -------
-    int
-        NO_DECISION (not at the ball), UNKNOWN (at the ball but the state is undefined: Hold, without the policy),
-        FOLLOW_THROUGH (a pass needs another kick; without the policy), HOLDING (a Hold lasts; likewise), FIRST (first
-        decision of the episode) or STEP (``agent["reward"][0]`` is the reward of the previous decision).
-    """
-    return keeper_decides(agent, state_out)
-
-
-@kernel
-def act(agent: Record, params: Record, choice: int, action_out: Record) -> None:
+def act(agent: Record, params: Record, status: int, choice: int, action_out: Record) -> None:
     """Choose and remember the commands of this cycle.
 
     Parameters
     ----------
     agent, params : record
+    status : int
+        A keeper's, from `decide`; ignored for takers.
     choice : int
-        A keeper's action when `decide` returned FIRST or STEP: 0 hold, i pass to the i-th nearest; else ignored.
+        A keeper's action with the status FIRST or STEP: 0 hold, i pass to the i-th nearest; else ignored. A taker's
+        macro-action, see `rcss_hat.keepaway.taker`; 0 is the hand-coded taker.
     action_out : record
         Gets the commands (dtype ACTION), all numbers whole.
     """
     if agent["side"][0] == LEFT:
-        keeper_acts(agent, params, choice)
+        plan = keeper_acts(agent, params, status, choice)
     else:
-        taker_acts(agent, params)
-    kind, a, b = agent["plan_kind"][0], agent["plan_a"][0], agent["plan_b"][0]
-    neck = np.trunc(agent["plan_neck"][0]) if agent["plan_turns_neck"][0] else 0.0
-    speak(agent, params, kind, a, b, action_out)
-    if agent["withheld"][0]:
-        kind, a, b, neck = NO_COMMAND, 0.0, 0.0, 0.0
-        agent["plan_turns_neck"][0] = 0
+        plan = taker_acts(agent, params, choice)
+    speak(agent, params, plan.kind, plan.a, plan.b, action_out)
+    if agent["withheld"][0]:  # the last command may be on its way still: two in a cycle would confuse the counters
+        plan = Plan(NO_COMMAND, 0.0, 0.0, False, 0.0)
         action_out["say_n"][0] = 0
-    action_out["kind"][0] = kind
-    action_out["a"][0] = np.trunc(a)
-    action_out["b"][0] = np.trunc(b)
-    action_out["turns_neck"][0] = agent["plan_turns_neck"][0]
+    neck = np.trunc(plan.neck) if plan.turns_neck else 0.0
+    action_out["kind"][0] = plan.kind  # cut to whole numbers, which is part of the noise that the players play with
+    action_out["a"][0] = np.trunc(plan.a)
+    action_out["b"][0] = np.trunc(plan.b)
+    action_out["turns_neck"][0] = plan.turns_neck
     action_out["neck"][0] = neck
     agent["sent_time"][0] = agent["now"][0]
-    agent["sent_kind"][0] = kind
-    agent["sent_a"][0] = np.trunc(a)
-    agent["sent_b"][0] = np.trunc(b)
+    agent["sent_kind"][0] = plan.kind
+    agent["sent_a"][0] = np.trunc(plan.a)
+    agent["sent_b"][0] = np.trunc(plan.b)
     agent["sent_neck"][0] = neck

@@ -89,6 +89,7 @@ def get_open(agent: Record, params: Record, fastest: int) -> tuple[int, float]:
     (int, float)
         TURN and moment (degrees), or DASH and power.
     """
+    # The pass comes from where the ball will be had, not from where it is now.
     from_x, from_y = ball_after(agent, params, cycles_to_ball(agent, params, fastest))
     x, y = open_point(agent, from_x, from_y)
     dx, dy = x - agent["pos"][0, 0], y - agent["pos"][0, 1]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,29 +21,76 @@ from rcss_hat.player.records import NEVER
 Record = NDArray[np.void]
 
 NO_DECISION, UNKNOWN, FOLLOW_THROUGH, FIRST, STEP, HOLDING = range(6)
-"""What `decide` may find; see `rcss_hat.keepaway.agent.decide`."""
+"""What `decide` may find; see there."""
 NO_ACTION = -1
 
 
+class DecisionPoint(NamedTuple):
+    """What a keeper's policy has to be asked and told in a cycle.
+
+    Attributes
+    ----------
+    status : int
+    reward : float
+        With STEP, cycles since this keeper's last decision.
+    ended : bool
+        The previous episode ended since the last cycle; the learner takes that before anything else.
+    acted : bool
+        This keeper decided in that episode.
+    final_reward : float
+        Reward of its last decision there, cycles.
+    """
+
+    status: int
+    reward: float
+    ended: bool
+    acted: bool
+    final_reward: float
+
+
+class Plan(NamedTuple):
+    """The commands of a cycle, not yet truncated."""
+
+    kind: int  # of the body command
+    a: float
+    b: float
+    turns_neck: bool
+    neck: float
+
+
 @kernel
-def keeper_decides(agent: Record, state: NDArray[np.float64]) -> int:
-    """Find out whether the policy has to be asked, and end the episode before if there is one to end."""
+def decide(agent: Record, state_out: NDArray[np.float64]) -> DecisionPoint:
+    """Find out whether a keeper's policy has to be asked, and whether it has to be told of an episode's end.
+
+    Parameters
+    ----------
+    agent : record
+    state_out : ndarray of float64, shape (n_state_variables,)
+        Gets the state when it is defined.
+
+    Returns
+    -------
+    DecisionPoint
+        Its status is NO_DECISION (not at the ball), UNKNOWN (at the ball but the state is undefined: Hold, without the
+        policy), FOLLOW_THROUGH (a pass needs another kick; without the policy), HOLDING (a Hold lasts; likewise), FIRST
+        (first decision of the episode) or STEP (with the reward of the previous decision).
+    """
     now = agent["now"][0]
-    agent["ended"][0] = 0
-    agent["reward"][0] = 0.0
+    ended, acted, final_reward = False, False, 0.0
     if agent["new_episode"][0]:
-        agent["ended"][0] = 1
+        ended = True
         acted = agent["last_action_time"][0] != NEVER
-        agent["ended_acted"][0] = acted
-        agent["final_reward"][0] = now - agent["last_action_time"][0] if acted else 0.0
+        if acted:
+            final_reward = float(now - agent["last_action_time"][0])
         agent["new_episode"][0] = 0
         agent["last_action"][0] = NO_ACTION
         agent["last_action_time"][0] = NEVER
-    status = NO_DECISION
+    status, reward = NO_DECISION, 0.0
     if ball_is_known(agent) and ball_distance(agent) < agent["kick_dist"][0]:
-        status = _with_ball(agent, state, now)
-    agent["status"][0] = status
-    return status
+        status = _with_ball(agent, state_out, now)
+        if status == STEP:
+            reward = float(now - agent["last_action_time"][0])
+    return DecisionPoint(status, reward, ended, acted, final_reward)
 
 
 @kernel
@@ -51,58 +100,49 @@ def _with_ball(agent: Record, state: NDArray[np.float64], now: int) -> int:
     last = agent["last_action_time"][0]
     if last == NEVER:
         return FIRST
+    # A pass may take several kicks. Repeating it counts as acting (`_play_ball`): each repeat costs its reward a cycle.
     if last == now - 1 and agent["last_action"][0] > 0:
         return FOLLOW_THROUGH
     if agent["last_action"][0] == 0 and now - last < agent["hold_cycles"][0]:
         return HOLDING
-    agent["reward"][0] = now - last
     return STEP
 
 
 @kernel
-def keeper_acts(agent: Record, params: Record, choice: int) -> None:
-    """Plan a keeper's commands."""
-    status = agent["status"][0]
-    agent["plan_turns_neck"][0] = 0
+def keeper_acts(agent: Record, params: Record, status: int, choice: int) -> Plan:
+    """Plan a keeper's commands: what `decide` found, and what the policy answered if it was asked."""
     if status != NO_DECISION:
-        action = 0
-        if status != UNKNOWN and status != HOLDING:
-            action = agent["last_action"][0] if status == FOLLOW_THROUGH else choice
-            agent["last_action"][0] = action
-            agent["last_action_time"][0] = agent["now"][0]
-        if action == 0:
-            kind, a, b = hold_ball(agent, params, KEEPER_HOLD)
-        else:
-            kind, a, b = pass_ball(agent, params, action)
-        plan(agent, kind, a, b)
-        return
-    agent["plan_turns_neck"][0] = 1
+        return _play_ball(agent, params, status, choice)
     if not ball_is_known(agent):
-        plan_search(agent, params)
-        return
+        return search(agent, params)
+    # Nobody receives a pass as such: whoever is first of the keepers runs for the ball, whatever the takers do.
     fastest = current_fastest_teammate(agent, params)
     if fastest == agent["me"][0]:
         kind, a = intercept(agent, params)
         x, y = ball_after(agent, params, 1)
     else:
         kind, a = get_open(agent, params, fastest)
-        x, y = 0.0, 0.0
-    plan(agent, kind, a, 0.0)
-    agent["plan_neck"][0] = turn_neck_to(agent, params, x, y, kind, a)
+        x, y = 0.0, 0.0  # to face: the centre of the region
+    return Plan(kind, a, 0.0, True, turn_neck_to(agent, params, x, y, kind, a))
 
 
 @kernel
-def plan(agent: Record, kind: int, a: float, b: float) -> None:
-    """Note the body command of this cycle, not yet truncated."""
-    agent["plan_kind"][0] = kind
-    agent["plan_a"][0] = a
-    agent["plan_b"][0] = b
+def _play_ball(agent: Record, params: Record, status: int, choice: int) -> Plan:
+    """Hold or pass; in a state that is not defined, and while a Hold lasts, hold without having decided."""
+    action = 0
+    if status != UNKNOWN and status != HOLDING:
+        action = agent["last_action"][0] if status == FOLLOW_THROUGH else choice
+        agent["last_action"][0] = action
+        agent["last_action_time"][0] = agent["now"][0]
+    if action == 0:
+        kind, a, b = hold_ball(agent, params, KEEPER_HOLD)
+    else:
+        kind, a, b = pass_ball(agent, params, action)
+    return Plan(kind, a, b, False, 0.0)
 
 
 @kernel
-def plan_search(agent: Record, params: Record) -> None:
+def search(agent: Record, params: Record) -> Plan:
     """Search the ball with the neck in line with the body."""
     kind, a = search_ball(agent, params)
-    plan(agent, kind, a, 0.0)
-    agent["plan_turns_neck"][0] = 1
-    agent["plan_neck"][0] = -agent["head"][0]
+    return Plan(kind, a, 0.0, True, -agent["head"][0])

@@ -32,7 +32,10 @@ SIDEWAYS = 80.0
 
 @kernel
 def most_open_opponent(agent: Record, holder: int) -> int:
-    """Opponent whose pass lane from the holder has the fewest takers in it: slot or NOBODY."""
+    """Opponent whose pass lane from the holder has the fewest takers in it: slot or NOBODY.
+
+    The holder is one of them; his own lane, without length, is empty: only those with higher numbers come before him.
+    """
     from_x, from_y = -1000.0, -1000.0
     pos = agent["player_pos"]
     if holder != NOBODY:

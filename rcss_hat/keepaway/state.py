@@ -52,7 +52,7 @@ def state_ranges(n_keepers: int, n_takers: int) -> NDArray[np.float64]:
 
 
 @kernel
-def _angle(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+def angle_at(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Angle (degrees) at (x, y) between the directions to two points."""
     ux, uy, wx, wy = ax - x, ay - y, bx - x, by - y
     return math.atan2(abs(ux * wy - uy * wx), ux * wx + uy * wy) * RAD
@@ -97,7 +97,7 @@ def state_variables(agent: Record, state: NDArray[np.float64]) -> bool:
         for j in range(m):
             tx, ty = pos[0, takers[j], 0], pos[0, takers[j], 1]
             nearest2 = min(nearest2, (tx - kx) ** 2 + (ty - ky) ** 2)
-            narrowest = min(narrowest, _angle(x, y, kx, ky, tx, ty))
+            narrowest = min(narrowest, angle_at(x, y, kx, ky, tx, ty))
         state[base + i] = math.sqrt(nearest2)
         state[base + n - 1 + i] = narrowest
     return True

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
+from rcss_hat.inputs import FileFormatError, item
 from rcss_hat.protocol.params import PROFILES, ServerParams, Value
 
 
@@ -71,6 +73,29 @@ class Task:
             length, width = float(region[1]), float(region[2])
         return cls(keepers, takers, length, width, vision, profile)
 
+    @classmethod
+    def from_dict(cls, data: Any) -> Task:
+        """Make a task from the JSON data that ``dataclasses.asdict`` gave.
+
+        Raises
+        ------
+        FileFormatError
+            Naming what is missing, or what would be right.
+        """
+        try:
+            return cls(
+                item(data, "keepers", int, "task"),
+                item(data, "takers", int, "task"),
+                float(item(data, "length", (int, float), "task")),
+                float(item(data, "width", (int, float), "task")),
+                item(data, "vision", int, "task"),
+                item(data, "profile", str, "task"),
+            )
+        except FileFormatError:
+            raise
+        except ValueError as error:
+            raise FileFormatError(f"task: {error}") from error
+
     @property
     def size(self) -> str:
         """Such as ``3v2``."""
@@ -80,10 +105,6 @@ class Task:
     def field(self) -> str:
         """Such as ``20x20``."""
         return f"{self.length:g}x{self.width:g}"
-
-    def with_size(self, keepers: int, takers: int) -> Task:
-        """Return the same task for other numbers of players."""
-        return replace(self, keepers=keepers, takers=takers)
 
     def server_values(self) -> dict[str, Value]:
         """Return the server parameters of the UT Austin start script for this task (synch mode)."""

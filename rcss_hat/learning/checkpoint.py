@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import json
+import math
 import os
 import tempfile
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rcss_hat.inputs import MIB, decoded, excerpt, load_json
+
 FORMAT = "rcss-hat checkpoint"
 VERSION = 1
+MAX_UNPACKED = 512 * MIB
+"""Bytes; learners of 11v11 with traces and a pseudo-action have a third of that."""
+MAX_MEMBERS = 64
 _HEADER = "header"
 
 
@@ -54,7 +60,7 @@ class Checkpoint:
         if found.dtype != dtype:
             raise CheckpointError(f"{self.path}: {name} was written by another version (its record type differs)")
         if found.shape != shape:
-            raise CheckpointError(f"{self.path}: {name} has shape {found.shape}, this learner needs {shape}")
+            raise CheckpointError(f"{self.path}: {name} has shape {excerpt(found.shape)}, this learner needs {shape}")
         return np.ascontiguousarray(found)
 
 
@@ -100,18 +106,46 @@ def load_checkpoint(path: Path | str) -> Checkpoint:
     Raises
     ------
     CheckpointError
-        When the file is not a checkpoint, is damaged, or is of a newer version.
+        When the file is not a checkpoint, is damaged, is of a newer version, or unpacks to more than `MAX_UNPACKED`.
     FileNotFoundError
     """
     source = Path(path)
     try:
-        with np.load(source, allow_pickle=False) as members:
-            arrays = {name: members[name] for name in members.files}
-        header = json.loads(arrays.pop(_HEADER).tobytes().decode())
-    except (zipfile.BadZipFile, zlib.error, ValueError, KeyError, EOFError, TypeError) as problem:
+        members = _members(source)
+        header = load_json(decoded(members.pop(_HEADER).tobytes(), source, "checkpoint"))
+    except (FileNotFoundError, CheckpointError):
+        raise
+    except Exception as problem:
+        # zipfile, zlib and NumPy raise nearly everything there is for damaged input.
         raise CheckpointError(f"{source} is not a checkpoint of {FORMAT.split()[0]}, or is damaged") from problem
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise CheckpointError(f"{source} is not a checkpoint of {FORMAT.split()[0]}")
     if header.get("version") != VERSION:
-        raise CheckpointError(f"{source} has checkpoint version {header.get('version')}; this program reads {VERSION}")
-    return Checkpoint(header, arrays, source)
+        version = excerpt(header.get("version"))
+        raise CheckpointError(f"{source} has checkpoint version {version}; this program reads {VERSION}")
+    return Checkpoint(header, members, source)
+
+
+def _members(source: Path) -> dict[str, NDArray[Any]]:
+    """Read the arrays of a zip file, after what it says of their sizes has been checked."""
+    with zipfile.ZipFile(source) as file:
+        entries = file.infolist()
+        unpacked = sum(entry.file_size for entry in entries)
+        if unpacked > MAX_UNPACKED or len(entries) > MAX_MEMBERS:
+            raise CheckpointError(
+                f"{source} unpacks to {unpacked / MIB:.0f} MiB in {len(entries)} arrays; the limits are "
+                f"{MAX_UNPACKED // MIB} MiB and {MAX_MEMBERS}"
+            )
+        return {entry.filename.removesuffix(".npy"): _array(file.read(entry)) for entry in entries}
+
+
+def _array(data: bytes) -> NDArray[Any]:
+    """Read one ``.npy``; its header must tell exactly as many bytes as there are, before any room is made for them."""
+    file = io.BytesIO(data)
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(file)
+    if dtype.hasobject or math.prod(shape) * dtype.itemsize != len(data) - file.tell() or min(shape, default=0) < 0:
+        raise ValueError("the array is not as long as it says")
+    file.seek(0)
+    return np.lib.format.read_array(file, allow_pickle=False)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-import math
-import tomllib
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
+from msgspec import Meta
+
+from rcss_hat.inputs import excerpt, read_text
 from rcss_hat.learning.features import Approximator, cmac, rbf
-from rcss_hat.learning.widths import WIDTH_RULES, tile_widths, variable_maxima
+from rcss_hat.learning.widths import tile_widths, variable_maxima
+from rcss_hat.schema import MAX_TOML, check, did_you_mean, parse_toml
 
-APPROXIMATORS = ("cmac", "rbf")
-DIVISORS = ("tiles", "norm", "one")
+Positive = Annotated[float, Meta(gt=0.0, le=sys.float_info.max, description="a positive number")]
+Share = Annotated[float, Meta(ge=0.0, le=1.0, description="0.0 to 1.0")]
+Decay = Annotated[float, Meta(gt=0.0, le=1.0, description="greater than 0.0 and at most 1.0")]
+Cycles = Annotated[float, Meta(ge=-1e9, le=1e9, description="a number of cycles")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,81 +37,54 @@ class LearnerConfig:
     description: str = "the learner of the UT Austin players 0.6"
     """One line for people."""
 
-    approximator: str = "cmac"
+    approximator: Literal["cmac", "rbf"] = "cmac"
     """``cmac`` (tiles) or ``rbf`` (Gaussians)."""
-    tilings: int = 32
+    tilings: Annotated[int, Meta(ge=1, le=256, description="1 to 256")] = 32
     """Features in one tile width of a state variable, 1 to 256."""
-    widths: str = "players"
+    widths: Literal["players", "article"] = "players"
     """Tile widths: ``players`` (by the players' formula) or ``article`` (3 m and 10 degrees throughout)."""
-    distance_max: float = 60.0
+    distance_max: Annotated[float, Meta(gt=0.0, le=10_000.0, description="a positive number up to 10000.0")] = 60.0
     """Metres; greater distances are taken for this one. Beyond any distance seen in a region of 35 m x 35 m."""
-    sigma: float = 0.25
+    sigma: Annotated[float, Meta(ge=0.001, le=100.0, description="0.001 to 100.0")] = 0.25
     """RBF: standard deviation in tile widths."""
-    cutoff: float = 0.75
+    cutoff: Annotated[float, Meta(gt=0.0, le=100.0, description="a positive number up to 100.0")] = 0.75
     """RBF: distance from the centre, in tile widths, from which on the value is 0."""
     normalise: bool = False
     """RBF: scale the values of each state variable to sum 1."""
 
-    alpha: float = 0.125
+    alpha: Positive = 0.125
     """Step size before division by the divisor."""
-    divisor: str = "tiles"
+    divisor: Literal["tiles", "norm", "one"] = "tiles"
     """What alpha is divided by: ``tiles`` (tilings x variables, as the players do), ``norm`` (mean sum of squared
     feature values, so that alpha is the share of the error by which an update moves Q(s, a)) or ``one``."""
-    alpha_decay: float = 1.0
+    alpha_decay: Decay = 1.0
     """Factor of the step size per finished episode; 1: constant."""
     alpha_final: float = 0.0
     """Alpha below which its decay stops."""
-    epsilon: float = 0.01
+    epsilon: Share = 0.01
     """Probability of an exploratory action per decision."""
-    epsilon_decay: float = 1.0
+    epsilon_decay: Decay = 1.0
     """Factor of epsilon per finished episode; 1: constant."""
-    epsilon_final: float = 0.0
+    epsilon_final: Share = 0.0
     """Epsilon below which its decay stops."""
-    gamma: float = 1.0
+    gamma: Share = 1.0
     """Discount per decision; 1, as rewards are durations."""
-    lambda_: float = 0.0
+    lambda_: Share = 0.0
     """Decay of eligibility traces per decision (``lambda`` in files); 0: none."""
-    hold_cycles: int = 1
+    hold_cycles: Annotated[int, Meta(ge=1, le=100, description="1 to 100")] = 1
     """Cycles a Hold lasts before the keeper decides again; 1: it decides in every cycle, as the players do."""
-    trace_minimum: float = 0.01
+    trace_minimum: Share = 0.01
     """Traces below this are dropped."""
-    initial_value: float = 0.0
+    initial_value: Cycles = 0.0
     """Cycles: value of every action in every state before learning, spread evenly over the features."""
 
     def __post_init__(self) -> None:
         """Check every setting."""
-        self._one_of("approximator", APPROXIMATORS)
-        self._one_of("widths", WIDTH_RULES)
-        self._one_of("divisor", DIVISORS)
-        self._between("tilings", 1, 256)
-        self._between("hold_cycles", 1, 100)
-        for name in ("distance_max", "sigma", "cutoff", "alpha"):
-            if not (_is_number(getattr(self, name)) and getattr(self, name) > 0.0):
-                raise ValueError(f"{name} must be a positive number, not {getattr(self, name)!r}")
-        for name in ("epsilon", "epsilon_final", "gamma", "lambda_", "trace_minimum"):
-            self._between(name, 0.0, 1.0)
-        for name in ("alpha_decay", "epsilon_decay"):
-            self._between(name, 0.0, 1.0, above=True)
-        self._between("alpha_final", 0.0, self.alpha)
+        check(self)
+        if not 0.0 <= self.alpha_final <= self.alpha:
+            raise ValueError(f"alpha_final must be 0.0 to {self.alpha}, not {self.alpha_final!r}")
         if self.epsilon_final > self.epsilon:
             raise ValueError(f"epsilon_final ({self.epsilon_final}) must not exceed epsilon ({self.epsilon})")
-        if not _is_number(self.initial_value):
-            raise ValueError(f"initial_value must be a number of cycles, not {self.initial_value!r}")
-        if not isinstance(self.normalise, bool):
-            raise ValueError(f"normalise must be true or false, not {self.normalise!r}")
-        for name in ("tilings", "hold_cycles"):
-            if not isinstance(getattr(self, name), int) or isinstance(getattr(self, name), bool):
-                raise ValueError(f"{name} must be an integer, not {getattr(self, name)!r}")
-
-    def _one_of(self, name: str, known: tuple[str, ...]) -> None:
-        if getattr(self, name) not in known:
-            raise ValueError(f"{_file_name(name)} must be one of {', '.join(known)}, not {getattr(self, name)!r}")
-
-    def _between(self, name: str, low: float, high: float, above: bool = False) -> None:
-        value = getattr(self, name)
-        if not (_is_number(value) and low <= value <= high) or (above and value == low):
-            begin = f"greater than {low} and at most" if above else f"{low} to"
-            raise ValueError(f"{_file_name(name)} must be {begin} {high}, not {value!r}")
 
     def build(self, n_keepers: int, n_takers: int) -> Approximator:
         """Make the approximator for n v m Keepaway.
@@ -126,10 +104,6 @@ class LearnerConfig:
         """Return the number alpha is divided by."""
         return {"tiles": float(approximator.n_tiles), "norm": approximator.norm, "one": 1.0}[self.divisor]
 
-    def effective_step(self, approximator: Approximator) -> float:
-        """Return the share of the error by which an update moves Q(s, a), on average over places."""
-        return self.alpha * approximator.norm / self.divisor_for(approximator)
-
     def to_dict(self) -> dict[str, Any]:
         """Return all settings under the names they have in files."""
         return {_file_name(field.name): getattr(self, field.name) for field in fields(self)}
@@ -143,10 +117,12 @@ class LearnerConfig:
         ValueError
             For an unknown setting, or a value that is not allowed.
         """
+        if not isinstance(settings, Mapping):
+            raise ValueError(f"settings of a learner must be a table, not {excerpt(settings)}")
         known = {_file_name(field.name): field.name for field in fields(cls)}
-        unknown = sorted(set(settings) - set(known))
-        if unknown:
-            raise ValueError(f"unknown learner setting {unknown[0]!r}; known are {', '.join(known)}")
+        for key in sorted(set(settings) - set(known)):
+            there = ", ".join(known)
+            raise ValueError(f"unknown learner setting {excerpt(key)}; known are {there}{did_you_mean(key, known)}")
         return cls(**{known[key]: value for key, value in settings.items()})
 
     def with_changes(self, **changes: Any) -> LearnerConfig:
@@ -176,24 +152,20 @@ def load_config(name_or_path: str | Path) -> LearnerConfig:
         When there is no such file.
     """
     name = str(name_or_path)
-    if name.endswith(".toml"):
-        text = Path(name).read_text(encoding="utf-8")
-    elif name in preset_names():
-        text = (files("rcss_hat.learning") / "presets" / f"{name}.toml").read_text(encoding="utf-8")
-    else:
-        raise ValueError(
-            f"no learner preset {name!r}; there are {', '.join(preset_names())}, or give a file that ends in .toml"
-        )
+    if name.endswith(".toml") and not Path(name).exists():
+        raise FileNotFoundError(f"there is no learner file {name}")
+    if not name.endswith(".toml") and name not in preset_names():
+        there = ", ".join(preset_names())
+        near = did_you_mean(name, preset_names())
+        raise ValueError(f"no learner preset {name!r}; there are {there}, or give a file that ends in .toml{near}")
+    preset = files("rcss_hat.learning") / "presets" / f"{name}.toml"
     try:
-        settings = tomllib.loads(text)
-        return LearnerConfig.from_dict({"name": Path(name).stem, **settings})
-    except (tomllib.TOMLDecodeError, ValueError) as problem:
+        own = name.endswith(".toml")
+        text = read_text(Path(name), "learner", MAX_TOML) if own else preset.read_text(encoding="utf-8")
+        return LearnerConfig.from_dict({"name": Path(name).stem, **parse_toml(text)})
+    except ValueError as problem:
         raise ValueError(f"learner preset {name}: {problem}") from problem
 
 
 def _file_name(field_name: str) -> str:
     return field_name.removesuffix("_")
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

@@ -9,12 +9,13 @@ decision or the end of the episode; with gamma = 1 time enters nowhere else. At 
 3. `advance` moves the weights of (s, a) by ``step * (r + gamma Q(s', a') - Q(s, a))`` times the feature values, and
    remembers (s', a') with the value it has under the *new* weights.
 
-So selection precedes the update. Weights belong to what was selected. The kernels take, always in this order, the
-learner's record, its random stream, the approximator's record and table, and the learner's weights and traces; with
-lambda = 0 there are no traces (an array of shape (0, 0)) and they cost nothing.
+So selection precedes the update. Weights belong to what was selected. The kernels take a `Learner`; with lambda = 0 it
+has no traces (an array of shape (0, 0)) and they cost nothing.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,221 +64,157 @@ LEARNER = np.dtype(
 """One learner's settings and memory."""
 
 
-@kernel
-def observe(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    state: NDArray[np.float64],
-) -> None:
-    """Look at a state: find its features and compute the value of every action, into ``learner["q"]``.
+class Learner(NamedTuple):
+    """One keeper's learner, as kernels take it: its own record, stream, weights and traces, and what a team shares.
 
-    Parameters
+    Attributes
     ----------
-    learner : LEARNER, shape (1,)
+    record : LEARNER, shape (1,)
+    rng : ndarray of uint64, shape (4,)
+        Random stream.
     features : FEATURES, shape (1,)
     table : ndarray of float64, shape (rows + 1, active)
+        The approximator's, see `rcss_hat.learning.features`.
     weights : ndarray of float64, shape (actions, n_features)
-    state : ndarray of float64, shape (n_variables,)
+        Actions include pseudo-actions.
+    traces : ndarray of float64, the shape of the weights, or (0, 0) when lambda is 0
     """
-    start, row, q = learner["start"][0], learner["row"][0], learner["q"][0]
-    n = int(features["n_variables"][0])
+
+    record: NDArray[np.void]
+    rng: NDArray[np.uint64]
+    features: NDArray[np.void]
+    table: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    traces: NDArray[np.float64]
+
+
+@kernel
+def observe(learner: Learner, state: NDArray[np.float64]) -> None:
+    """Look at a state, shape (n_variables,): find its features and compute Q of every action, into ``record["q"]``."""
+    record = learner.record
+    start, row, q = record["start"][0], record["row"][0], record["q"][0]
+    n = int(learner.features["n_variables"][0])
     for v in range(n):
-        start[v], row[v] = locate(features, v, state[v])
-    for a in range(weights.shape[0]):
-        q[a] = weighted_sum(table, weights[a], start, row, n)
+        start[v], row[v] = locate(learner.features, v, state[v])
+    for a in range(learner.weights.shape[0]):
+        q[a] = weighted_sum(learner.table, learner.weights[a], start, row, n)
 
 
 @kernel
-def has_acted(learner: NDArray[np.void]) -> bool:
+def has_acted(record: NDArray[np.void]) -> bool:
     """Tell whether this keeper has taken a decision in this episode."""
-    return learner["last_action"][0] != NO_ACTION
+    return record["last_action"][0] != NO_ACTION
 
 
 @kernel
-def begin(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    action: int,
-    bonus: float,
-) -> None:
+def begin(learner: Learner, action: int, bonus: float) -> None:
     """Take the first action of an episode in the state just observed.
 
     Parameters
     ----------
-    learner, features, table
-        As in `observe`.
-    traces : ndarray of float64, shape (actions, n_features), or (0, 0) when lambda is 0
+    learner : Learner
     action : int
         Row of the weights that gets the credit.
     bonus : float
         What a transfer method adds to the value of this action, 0 otherwise.
     """
-    learner["episode_decisions"][0] = 0
-    _remember(learner, int(features["n_variables"][0]), action, learner["q"][0, action] + bonus)
-    if traces.shape[0] > 0 and learner["learning"][0]:
-        n, low, high = int(features["n_variables"][0]), learner["trace_low"][0], learner["trace_high"][0]
-        clear_traces(traces, low, high, n)
-        replace_traces(table, traces, low, high, learner["start"][0], learner["row"][0], n, action)
+    record = learner.record
+    record["episode_decisions"][0] = 0
+    n = int(learner.features["n_variables"][0])
+    _remember(record, n, action, record["q"][0, action] + bonus)
+    if learner.traces.shape[0] > 0 and record["learning"][0]:
+        low, high = record["trace_low"][0], record["trace_high"][0]
+        clear_traces(learner.traces, low, high, n)
+        replace_traces(learner.table, learner.traces, low, high, record["start"][0], record["row"][0], n, action)
 
 
 @kernel
-def advance(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    reward: float,
-    action: int,
-    bonus: float,
-) -> None:
+def advance(learner: Learner, reward: float, action: int, bonus: float) -> None:
     """Learn from the reward of the last action, and take the next one in the state just observed.
 
     Parameters
     ----------
-    learner, features, table, weights, traces, action, bonus
-        As in `observe` and `begin`.
+    learner, action, bonus
+        As in `begin`.
     reward : float
         Cycles since the last decision.
     """
-    value = learner["q"][0, action] + bonus
-    n = int(features["n_variables"][0])
-    if not learner["learning"][0]:
-        _remember(learner, n, action, value)
+    record, traces = learner.record, learner.traces
+    value = record["q"][0, action] + bonus
+    n = int(learner.features["n_variables"][0])
+    if not record["learning"][0]:
+        _remember(record, n, action, value)
         return
-    last_action = learner["last_action"][0]
-    gamma = learner["gamma"][0]
-    _update(learner, features, table, weights, traces, reward + gamma * value - learner["last_value"][0])
-    start, row = learner["start"][0], learner["row"][0]
+    last_action = record["last_action"][0]
+    gamma = record["gamma"][0]
+    _update(learner, reward + gamma * value - record["last_value"][0])
+    start, row = record["start"][0], record["row"][0]
     if action == last_action or traces.shape[0] > 0:  # else the update did not touch the weights of this action
-        value = weighted_sum(table, weights[action], start, row, n) + bonus
-    _remember(learner, n, action, value)
+        value = weighted_sum(learner.table, learner.weights[action], start, row, n) + bonus
+    _remember(record, n, action, value)
     if traces.shape[0] > 0:
-        low, high = learner["trace_low"][0], learner["trace_high"][0]
-        decay_traces(traces, low, high, n, gamma * learner["lambda"][0], learner["trace_minimum"][0])
-        replace_traces(table, traces, low, high, start, row, n, action)
+        low, high = record["trace_low"][0], record["trace_high"][0]
+        decay_traces(traces, low, high, n, gamma * record["lambda"][0], record["trace_minimum"][0])
+        replace_traces(learner.table, traces, low, high, start, row, n, action)
 
 
 @kernel
-def conclude(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    reward: float,
-) -> None:
+def conclude(learner: Learner, reward: float) -> None:
     """Learn from the end of an episode, and forget the last action; a keeper that never acted learns nothing.
 
-    Parameters
-    ----------
-    learner, features, table, weights, traces
-        As in `observe` and `begin`.
-    reward : float
-        Cycles from the last decision to the end of the episode.
+    ``reward``: cycles from the last decision to the end of the episode.
     """
-    if has_acted(learner) and learner["learning"][0]:
-        _update(learner, features, table, weights, traces, reward - learner["last_value"][0])
-    learner["last_action"][0] = NO_ACTION
-    learner["episode_decisions"][0] = 0
+    record = learner.record
+    if has_acted(record) and record["learning"][0]:
+        _update(learner, reward - record["last_value"][0])
+    record["last_action"][0] = NO_ACTION
+    record["episode_decisions"][0] = 0
 
 
 @kernel
-def count_episode(learner: NDArray[np.void]) -> None:
+def count_episode(record: NDArray[np.void]) -> None:
     """Count a finished episode and move the schedules of step size and epsilon; does nothing unless learning."""
-    if not learner["learning"][0]:
+    if not record["learning"][0]:
         return
-    learner["episodes"][0] += 1
-    learner["step"][0] = max(learner["step_final"][0], learner["step"][0] * learner["step_decay"][0])
-    learner["epsilon"][0] = max(learner["epsilon_final"][0], learner["epsilon"][0] * learner["epsilon_decay"][0])
+    record["episodes"][0] += 1
+    record["step"][0] = max(record["step_final"][0], record["step"][0] * record["step_decay"][0])
+    record["epsilon"][0] = max(record["epsilon_final"][0], record["epsilon"][0] * record["epsilon_decay"][0])
 
 
 @kernel
-def exploration(learner: NDArray[np.void]) -> float:
+def exploration(record: NDArray[np.void]) -> float:
     """Return the probability of an exploratory action now: epsilon, or 0 while not exploring."""
-    return learner["epsilon"][0] if learner["exploring"][0] else 0.0
+    return record["epsilon"][0] if record["exploring"][0] else 0.0
 
 
 @kernel
-def start(
-    learner: NDArray[np.void],
-    rng: NDArray[np.uint64],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    state: NDArray[np.float64],
-) -> int:
-    """Decide for the first time in an episode, epsilon-greedily; returns the action."""
-    observe(learner, features, table, weights, state)
-    action = epsilon_greedy(rng, learner["q"][0], learner["n_actions"][0], exploration(learner), NO_ACTION, 0.0)
-    begin(learner, features, table, traces, action, 0.0)
-    return action
+def select_epsilon_greedily(record: NDArray[np.void], rng: NDArray[np.uint64]) -> int:
+    """Select among the actions by the values of the state just observed."""
+    return epsilon_greedy(rng, record["q"][0], record["n_actions"][0], exploration(record), NO_ACTION, 0.0)
 
 
 @kernel
-def step(
-    learner: NDArray[np.void],
-    rng: NDArray[np.uint64],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    reward: float,
-    state: NDArray[np.float64],
-) -> int:
-    """Decide again, epsilon-greedily, and learn from the ``reward`` (cycles) of the last action; returns the action."""
-    observe(learner, features, table, weights, state)
-    action = epsilon_greedy(rng, learner["q"][0], learner["n_actions"][0], exploration(learner), NO_ACTION, 0.0)
-    advance(learner, features, table, weights, traces, reward, action, 0.0)
-    return action
-
-
-@kernel
-def end(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    reward: float,
-) -> None:
-    """End an episode: learn from its last ``reward`` (cycles) when this keeper acted, and count it in any case."""
-    conclude(learner, features, table, weights, traces, reward)
-    count_episode(learner)
-
-
-@kernel
-def _remember(learner: NDArray[np.void], n_variables: int, action: int, value: float) -> None:
-    start, row = learner["start"][0], learner["row"][0]
-    last_start, last_row = learner["last_start"][0], learner["last_row"][0]
+def _remember(record: NDArray[np.void], n_variables: int, action: int, value: float) -> None:
+    start, row = record["start"][0], record["row"][0]
+    last_start, last_row = record["last_start"][0], record["last_row"][0]
     for v in range(n_variables):
         last_start[v] = start[v]
         last_row[v] = row[v]
-    learner["last_action"][0] = action
-    learner["last_value"][0] = value
-    learner["episode_decisions"][0] += 1
-    if learner["learning"][0]:
-        learner["decisions"][0] += 1
+    record["last_action"][0] = action
+    record["last_value"][0] = value
+    record["episode_decisions"][0] += 1
+    if record["learning"][0]:
+        record["decisions"][0] += 1
 
 
 @kernel
-def _update(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    delta: float,
-) -> None:
-    amount = learner["step"][0] * delta
-    n = int(features["n_variables"][0])
-    if traces.shape[0] > 0:
-        add_traces(weights, traces, learner["trace_low"][0], learner["trace_high"][0], n, amount)
+def _update(learner: Learner, delta: float) -> None:
+    record = learner.record
+    amount = record["step"][0] * delta
+    n = int(learner.features["n_variables"][0])
+    if learner.traces.shape[0] > 0:
+        low, high = record["trace_low"][0], record["trace_high"][0]
+        add_traces(learner.weights, learner.traces, low, high, n, amount)
         return
-    last = weights[learner["last_action"][0]]
-    add_features(table, last, learner["last_start"][0], learner["last_row"][0], n, amount)
+    last = learner.weights[record["last_action"][0]]
+    add_features(learner.table, last, record["last_start"][0], record["last_row"][0], n, amount)

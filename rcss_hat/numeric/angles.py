@@ -80,3 +80,16 @@ def quick_atan2(y: float, x: float) -> float:
     if x < 0.0:
         angle = math.pi - angle
     return -angle if y < 0.0 else angle
+
+
+SURE = 1e-6
+"""Farther than this (degrees) from whole degrees, `quick_atan2` shows which ones they are."""
+
+
+@inlined
+def cut_degrees(x: float, y: float, body: float, neck: float) -> int:
+    """Whole degrees, cut towards 0, of the direction of a vector relative to a body and its neck (radians)."""
+    angle = normalize_radians(quick_atan2(y, x) - body - neck) * RAD
+    if abs(angle - np.rint(angle)) < SURE:
+        angle = normalize_radians((math.atan2(y, x) if x != 0.0 or y != 0.0 else 0.0) - body - neck) * RAD
+    return int(angle)

@@ -1,124 +1,27 @@
-"""``njit`` with a cache that notices edits in imported modules.
-
-Numba's own cache looks only at the file of the function it compiles: after an edit in a module that this file
-imports, the cached machine code still holds the old callee. Here every kernel module gets a cache folder of its own,
-named by a hash over its source and the sources of all modules of this project that it imports, directly or not.
-"""
+"""``njit`` with a cache that notices edits in imported modules; see `rcss_hat.numeric.cache_folders`."""
 
 from __future__ import annotations
 
-import hashlib
-import importlib.util
-import os
-import re
-import sys
-import tempfile
-from collections.abc import Callable
-from functools import cache, lru_cache
-from pathlib import Path
+import contextlib
+import gc
+from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any, TypeVar, cast
 
 import numba
 from numba import config, types
 from numba.core.cpu import CPUTargetOptions
 
-PACKAGES = ("rcss_hat", "fake_server")
-_IMPORT = re.compile(
-    r"^\s*(?:from\s+((?:rcss_hat|fake_server)[\w.]*)\s+import\s+(\([^)]*\)|[^\n#]*)|"
-    r"import\s+((?:rcss_hat|fake_server)[\w.]*))",
-    re.MULTILINE,
-)
+from rcss_hat.numeric import parts
+from rcss_hat.numeric.cache_folders import own_folder, readable_folders
+from rcss_hat.numeric.kernel_cache import Caches
+
 F = TypeVar("F", bound=Callable[..., Any])
 _LEAN: dict[str, Any] = {"no_cfunc_wrapper": True}  # for callers in C, of which there are none
 _SMALL_INTEGERS = (types.int8, types.uint8, types.int16, types.uint16, types.int32, types.uint32)
 _BARE: dict[str, Any] = {"error_model": "numpy"}
 if hasattr(CPUTargetOptions, "_nrt"):  # numba keeps it undocumented; without it kernels are slower, not wrong
     _BARE["_nrt"] = False
-
-
-@lru_cache(maxsize=1)
-def cache_root() -> Path:
-    """Folder of all compiled kernels: ``$RCSS_HAT_CACHE``, the user's cache folder, or a temporary one.
-
-    Returns
-    -------
-    Path
-        An existing folder that can be written to.
-    """
-    home = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-    wanted = os.environ.get("RCSS_HAT_CACHE") or f"{home}/rcss-hat"
-    for folder in (Path(wanted).expanduser(), Path(tempfile.gettempdir()) / f"rcss-hat-{os.getuid()}"):
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=folder):
-                return folder
-        except OSError:
-            continue
-    return Path(tempfile.mkdtemp(prefix="rcss-hat-"))
-
-
-@cache
-def _source(module: str) -> str | None:
-    loaded = sys.modules.get(module)
-    path = getattr(loaded, "__file__", None)
-    if path is None:
-        try:
-            spec = importlib.util.find_spec(module)
-        except (ImportError, ValueError):
-            return None
-        path = spec.origin if spec else None
-    return Path(path).read_text() if path and path.endswith(".py") else None
-
-
-def _imports(source: str) -> set[str]:
-    found = set()
-    for match in _IMPORT.finditer(source):
-        package, names, plain = match.groups()
-        found.add(package or plain)
-        for name in re.findall(r"\w+", names or ""):
-            found.add(f"{package}.{name}")
-    return found
-
-
-@cache
-def fingerprint(module: str) -> str:
-    """Hash of a module's source and of every project module it imports, directly or not.
-
-    Parameters
-    ----------
-    module : str
-        Dotted module name, for example ``"fake_server.simulation.motion"``.
-
-    Returns
-    -------
-    str
-        Hexadecimal digest; changes whenever any of those sources changes.
-    """
-    seen: dict[str, str] = {}
-    queue = [module]
-    while queue:
-        name = queue.pop()
-        if name in seen:
-            continue
-        source = _source(name)
-        if source is None:
-            continue
-        seen[name] = source
-        queue.extend(_imports(source))
-    digest = hashlib.sha256(f"{numba.__version__} {sys.version_info[:2]}".encode())
-    for name in sorted(seen):
-        digest.update(name.encode())
-        digest.update(seen[name].encode())
-    return digest.hexdigest()[:16]
-
-
-def is_cached(module: str) -> bool:
-    """Tell whether kernels of a module, as its sources are now, were compiled before on this machine."""
-    settings: Any = config
-    if settings.DISABLE_JIT or settings.CACHE_DIR:
-        return True
-    folder = cache_root() / f"{module}-{fingerprint(module)}"  # made at import; compiled kernels have an index in it
-    return next(folder.rglob("*.nbi"), None) is not None
 
 
 def njit(function: F) -> F:
@@ -138,38 +41,100 @@ def kernel(function: F) -> F:
     return _compile(function, _BARE)
 
 
+def releasing(function: F) -> F:
+    """Compile a :func:`kernel` that Python calls and that holds no lock of Python's: threads run side by side."""
+    return _compile(function, {**_BARE, "nogil": True})
+
+
 def inlined(function: F) -> F:
     """Compile a :func:`kernel` into its callers: for short functions, and for parts of a long one."""
     return _compile(function, {**_BARE, "forceinline": True})
 
 
-def _compile(function: F, options: dict[str, Any]) -> F:
+def pointed(function: Callable[..., Any], signature: Any) -> Any:
+    """Compile a function now, for callers that have nothing but its address; see `rcss_hat.numeric.pointers`."""
+    return _compile(function, {**_BARE, "no_cfunc_wrapper": False}, signature)
+
+
+def compile_part(function: Callable[..., Any], *arguments: Any) -> None:
+    """Compile a kernel as compiled callers call it, with arguments of these types.
+
+    Parameters
+    ----------
+    function : callable
+        What :func:`kernel` or another decorator of this module returned.
+    arguments
+        Values of the right types; nothing is called.
+    """
     settings: Any = config
-    module = function.__module__
-    before = settings.CACHE_DIR
-    if not before:
-        settings.CACHE_DIR = str(cache_root() / f"{module}-{fingerprint(module)}")
-    try:
-        compiled: Any = numba.njit(cache=True, **_LEAN, **options)(function)
-    finally:
-        settings.CACHE_DIR = before
     if not settings.DISABLE_JIT:
-        _share_overloads(compiled)
+        cast(Any, function).get_call_template(tuple(numba.typeof(a) for a in arguments), {})
+
+
+def _compile(function: F, options: dict[str, Any], signature: Any = None) -> F:
+    settings: Any = config
+    compiled: Any = numba.njit(**{**_LEAN, **options})(function)
+    if settings.DISABLE_JIT:
+        return cast(F, compiled)
+    _give_cache(compiled)
+    if parts.SUPPORTED:
+        parts.link_closely(compiled)
+    _call_parts(compiled)
+    if signature is not None:
+        compiled.compile(signature)
+        compiled.disable_compile()
     return cast(F, compiled)
 
 
-def _share_overloads(dispatcher: Any) -> None:
-    """Compile a kernel once for all integer types its callers in other kernels pass it.
+def _give_cache(dispatcher: Any, as_part: bool = False) -> None:
+    """Let a dispatcher keep what it compiles, and look first where somebody else has compiled it."""
+    module = dispatcher.py_func.__module__
+    own, read = own_folder(module), list(readable_folders(module))
+    if as_part:
+        own, read = own and own.parts, [folder.parts for folder in read]
+    dispatcher._cache = Caches(dispatcher.py_func, read, own)
+
+
+def _call_parts(kernel: Any) -> None:
+    """Let compiled callers call a kernel as a part of theirs, compiled once for all integer types they pass it.
 
     Numba compiles a function anew for every constant and every width of integer that a compiled caller passes, which
     here is a sixth of all compilation. Callers cast their arguments to what this returns.
     """
-    resolve = dispatcher.get_call_template
+    resolve, overload, compile_kernel = kernel.get_call_template, kernel.get_overload, kernel.compile
+
+    @cache
+    def part() -> Any:
+        made = parts.Part(kernel)
+        _give_cache(made, as_part=True)
+        return made
 
     def resolve_widened(args: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
-        return resolve(tuple(_widened(a) for a in args), {name: _widened(a) for name, a in keywords.items()})
+        widened = tuple(_widened(a) for a in args), {name: _widened(a) for name, a in keywords.items()}
+        with _no_collections():
+            return part().get_call_template(*widened) if parts.SUPPORTED else resolve(*widened)
 
-    dispatcher.get_call_template = resolve_widened
+    def compile_whole(signature: Any) -> Any:
+        with _no_collections():
+            entry = compile_kernel(signature)
+        if parts.SUPPORTED:
+            parts.set_environments(next(reversed(kernel.overloads.values())))
+        return entry
+
+    kernel.get_call_template, kernel.compile = resolve_widened, compile_whole
+    kernel.get_overload = lambda signature: part().get_overload(signature) if parts.SUPPORTED else overload(signature)
+
+
+@contextlib.contextmanager
+def _no_collections() -> Iterator[None]:
+    """Put off the garbage collector, which takes a third of the time of a compiler that keeps all it makes."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
 
 
 def _widened(kind: Any) -> Any:

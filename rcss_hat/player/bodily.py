@@ -197,6 +197,7 @@ def _collided(agent: Record, params: Record, dashed: bool, turned: bool, neck: f
 @kernel
 def move_opponents(agent: Record, params: Record) -> None:
     """Guess where the opponents went: the fastest to the ball towards it, the others along with the ball's x."""
+    # Rules of thumb from eleven a side; the next see overwrites what they did, mostly after a single cycle.
     now = agent["now"][0]
     drift = -0.5 if agent["ball_vel"][0, 0] < -1.0 else -0.25
     if agent["ball_vel"][0, 0] > 0.0:

@@ -86,7 +86,7 @@ def head_start(agent: Record, slot: int) -> int:
     change = agent["player_change"][0, slot]
     start = change - now
     if start < -FRESH:
-        start = -2 if slot >= OPPONENTS else 0
+        start = -2 if slot >= OPPONENTS else 0  # caution: forgotten opponents have been running, team mates have not
     if agent["player_see_time"][0, slot] > change:
         start = max(start, agent["player_see_time"][0, slot] - now)
     return start

@@ -23,6 +23,18 @@ HALF_VIEW = 45.0
 SURE_VIEW = 0.65 * HALF_VIEW
 """Half-angle of the cone in which everything counts as seen (degrees)."""
 _EDGE = 20.0
+"""An opponent expected within so many degrees of that cone's edge is moved past it instead of being forgotten."""
+_CENTRE, _FRESH = 10.0, 4
+"""One expected within so many degrees of the centre, and whose body was seen less than so many cycles ago, is taken
+to have gone on ..."""
+_AHEAD = 2.0
+"""... so many metres."""
+_NOTICED = 0.9
+"""Part of visible_distance within which a ball would have been noticed."""
+_TAKES = 2.0
+"""An opponent within so many metres of where the ball should be may have it ..."""
+_HIDES = 4.5
+"""... and hides it when he was not seen either and is within so many metres of the player."""
 
 
 @kernel
@@ -49,22 +61,22 @@ def _view_angle(agent: Record, x: float, y: float) -> float:
 @kernel
 def _ball(agent: Record, params: Record) -> None:
     x, y = agent["ball_pos"][0, 0], agent["ball_pos"][0, 1]
-    near = ball_distance(agent) < 0.9 * params["visible_distance"][0]
+    near = ball_distance(agent) < _NOTICED * params["visible_distance"][0]
     if abs(_view_angle(agent, x, y)) < SURE_VIEW:
         opponent, distance = closest_opponent(agent, x, y)
         hidden = False
-        if distance < 2.0:
+        if distance < _TAKES:
             dx = agent["player_pos"][0, opponent, 0] - agent["pos"][0, 0]
             dy = agent["player_pos"][0, opponent, 1] - agent["pos"][0, 1]
             unseen = agent["player_seen"][0, opponent] != agent["see_time"][0]
-            hidden = unseen and dx * dx + dy * dy < 4.5 * 4.5
+            hidden = unseen and dx * dx + dy * dy < _HIDES * _HIDES
         if hidden:
             _ball_to(agent, opponent)
         else:
             agent["ball_seen"][0] = NEVER
     if near:
         opponent, distance = closest_opponent(agent, agent["ball_pos"][0, 0], agent["ball_pos"][0, 1])
-        if distance < 2.0:
+        if distance < _TAKES:
             _ball_to(agent, opponent)
         else:
             agent["ball_seen"][0] = NEVER
@@ -96,9 +108,9 @@ def _opponent(agent: Record, params: Record, o: int) -> None:
 def _step_aside(agent: Record, params: Record, o: int, angle: float, distance: float) -> float:
     """Put an opponent to that edge of the view to which it is nearer, if it can have come there; its distance (m)."""
     x, y = agent["player_pos"][0, o, 0], agent["player_pos"][0, o, 1]
-    if abs(angle) < 10.0 and agent["now"][0] - agent["player_angles"][0, o] < 4:
+    if abs(angle) < _CENTRE and agent["now"][0] - agent["player_angles"][0, o] < _FRESH:
         body = agent["player_body"][0, o] * DEG
-        angle = _view_angle(agent, x + 2.0 * math.cos(body), y + 2.0 * math.sin(body))
+        angle = _view_angle(agent, x + _AHEAD * math.cos(body), y + _AHEAD * math.sin(body))
     way = (agent["neck"][0] + (HALF_VIEW if angle > 0.0 else -HALF_VIEW)) * DEG
     dx = agent["pos"][0, 0] + distance * math.cos(way) - x
     dy = agent["pos"][0, 1] + distance * math.sin(way) - y

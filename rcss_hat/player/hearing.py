@@ -94,7 +94,7 @@ def _tell_ball(agent: Record, params: Record, kind: int, a: float, b: float, say
                 return 0
         vx, vy = 0.0, 0.0
         if kind == KICK:
-            px, py = roll_out(agent, params, 1)
+            px, py = roll_out(agent, 1)
             if math.sqrt((next_x - px) ** 2 + (next_y - py) ** 2) > reach + 0.2:
                 x, y, vx, vy, age = next_x, next_y, next_vx, next_vy, 0
     say[0] = _SYMBOLS[BALL_INFO]
@@ -135,7 +135,7 @@ def listen(agent: Record, params: Record, heard: Record) -> None:
     while i < n:
         unit = _VALUES[text[i]]
         if unit == BALL_INFO:
-            _hear_ball(agent, params, text, i)
+            _hear_ball(agent, text, i)
         elif OPP_POS <= unit < TEAMMATE_POS:
             _hear_player(agent, OPPONENTS + unit - OPP_POS, text, i, 1)
         elif unit >= TEAMMATE_POS:
@@ -160,7 +160,7 @@ def _is_language(text: NDArray[np.uint8], n: int) -> bool:
 
 
 @kernel
-def _hear_ball(agent: Record, params: Record, text: NDArray[np.uint8], i: int) -> None:
+def _hear_ball(agent: Record, text: NDArray[np.uint8], i: int) -> None:
     """Believe a BallInfo when the own information is old, or when the ball was kicked far away since."""
     x, y = decode(text[i + 1], X_SPAN), decode(text[i + 2], Y_SPAN)
     vx, vy = decode(text[i + 3], V_SPAN), decode(text[i + 4], V_SPAN)

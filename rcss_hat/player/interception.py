@@ -43,19 +43,54 @@ AIM_MEMORY = 2
 FACING = 25.0
 """Heading error (degrees) that is good enough when the ball arrives."""
 OPPONENT_NEAR = 3.0
+"""An opponent within so many metres makes haste: the ball is taken before the body is turned."""
+
+# Of the plan, from the UT Austin players (getInterceptionMinCyc and its loop over the next cycles).
+_INSIDE = 1.0
+"""Balls are met at least so many metres inside the pitch."""
+_WELL_INSIDE_X, _WELL_INSIDE_Y = 50.0, 32.0
+"""A better point than the first is taken only within these coordinates (m)."""
+_ROLLING = 0.6
+"""Slower balls (m/cycle) are not worth the point chosen before."""
+_AFTER_FIRST = 20
+"""Cycles after the first possible one in which a better one is looked for."""
+_OWN_ROLL = 4
+"""Cycles for which the player's own speed counts when he does not dash."""
+_SAME_POINT = 1.0
+"""A point within so many metres of the one chosen before continues that plan ..."""
+_SAFE_MISS = 0.7
+"""... if the player comes as near to it as this part of the kickable distance."""
+_GOOD_MISS = 0.5
+"""A point that is missed by no more than this part of the kickable distance is not improved on."""
+_NEXT = 3
+"""Cycles after the best point so far in which a nearer one replaces it."""
+_ANY_AIM, _ANY_MISS = 100.0, 10.0
+"""Farther than any point chosen before, and than any miss (m)."""
+_CLOSE = 3
+"""A ball met in fewer cycles than this is met by `meet_close_ball`."""
+_COMES_HERE = 0.5
+"""Nearer to where the player rolls (m) the ball is waited for."""
+
+# Of the last cycles (interceptClose).
+_DASH_SHARE, _TURN_SHARE = 0.95, 0.8
+"""Part of the kickable distance within which the ball must lie after a dash, and after a turn or a braking dash."""
+_MARGIN_PARTS = 6.0
+"""A dash leaves the ball one of so many parts of the kickable margin away from the body."""
+_NEAR_GOAL_X = 31.0
+"""Beyond it (m) one faces the opponents' goal, not +x."""
 
 
 @kernel
 def _outside(x: float, y: float) -> bool:
-    """Tell whether a point is not at least 1 m inside the pitch."""
-    return abs(x) >= 0.5 * PITCH_LENGTH - 1.0 or abs(y) >= 0.5 * PITCH_WIDTH - 1.0
+    """Tell whether a point is too near the edge of the pitch to meet a ball there."""
+    return abs(x) >= 0.5 * PITCH_LENGTH - _INSIDE or abs(y) >= 0.5 * PITCH_WIDTH - _INSIDE
 
 
 @inlined
 def _aim_lies_ahead(agent: Record, has_aim: bool, x: float, y: float, ball_vx: float, ball_vy: float) -> bool:
     """Tell whether the ball, now at a point, may still pass the point chosen in the cycle before, and fast enough."""
     speed2 = ball_vx * ball_vx + ball_vy * ball_vy
-    if not has_aim or speed2 <= 0.6 * 0.6:
+    if not has_aim or speed2 <= _ROLLING * _ROLLING:
         return False
     past = (x - agent["aim"][0, 0]) * ball_vx + (y - agent["aim"][0, 1]) * ball_vy
     return past <= 0.0 or past * past <= speed2
@@ -72,13 +107,13 @@ def _choose_cycle(agent: Record, params: Record) -> int:
     reach, top, decay = agent["kick_dist"][0], params["player_speed_max"][0], params["player_decay"][0]
     push = params["maxpower"][0] * params["dash_power_rate"][0]
     first, best, old = NOT_IN_TIME, NOT_IN_TIME, _NONE
-    nearest_aim, smallest_miss = 100.0, 10.0
+    nearest_aim, smallest_miss = _ANY_AIM, _ANY_MISS
     # Farthest the player can have come: running from the start, or turning in the first cycle.
     speed = math.sqrt(vx * vx + vy * vy)
     speed_turned, covered, covered_turned = speed, 0.0, 0.0
     before_x, before_y = 0.0, 0.0
     for t in range(HORIZON + 1):
-        if t > first + 20 or (t > 0 and _outside(before_x, before_y)):
+        if t > first + _AFTER_FIRST or (t > 0 and _outside(before_x, before_y)):
             break
         x, y = ball_after(agent, params, t)
         if t == 0:
@@ -95,13 +130,13 @@ def _choose_cycle(agent: Record, params: Record) -> int:
             return first
         if _outside(x, y) or dx * dx + dy * dy > (covered + reach) ** 2:
             continue
-        qx, qy = roll_out(agent, params, min(t, 4))
+        qx, qy = roll_out(agent, min(t, _OWN_ROLL))
         if (x - qx) ** 2 + (y - qy) ** 2 > (top * (t + reach)) ** 2:
             continue
         aim_distance = math.sqrt((x - aim_x) ** 2 + (y - aim_y) ** 2)
-        fast_enough = ball_vx * ball_vx + ball_vy * ball_vy > 0.6 * 0.6
-        near_aim = has_aim and aim_distance < min(1.0, nearest_aim) and fast_enough
-        in_turn = smallest_miss > 0.5 * reach and (t <= best + 3 or t <= old + 3)
+        fast_enough = ball_vx * ball_vx + ball_vy * ball_vy > _ROLLING * _ROLLING
+        near_aim = has_aim and aim_distance < min(_SAME_POINT, nearest_aim) and fast_enough
+        in_turn = smallest_miss > _GOOD_MISS * reach and (t <= best + _NEXT or t <= old + _NEXT)
         if first < NOT_IN_TIME and not near_aim and not (has_aim and in_turn):
             continue
         forward, side = to_body(agent, dx, dy)
@@ -113,10 +148,10 @@ def _choose_cycle(agent: Record, params: Record) -> int:
             continue
         if first == NOT_IN_TIME:
             first, best = t, t
-        if near_aim and miss < 0.7 * reach:
+        if near_aim and miss < _SAFE_MISS * reach:
             old, smallest_miss, nearest_aim = t, miss, aim_distance
-        elif miss < smallest_miss and smallest_miss > 0.5 * reach and (t <= best + 3 or t <= old + 3):
-            if abs(y) < 32.0 and abs(x) < 50.0:
+        elif miss < smallest_miss and smallest_miss > _GOOD_MISS * reach and (t <= best + _NEXT or t <= old + _NEXT):
+            if abs(y) < _WELL_INSIDE_Y and abs(x) < _WELL_INSIDE_X:
                 best, smallest_miss = t, miss
                 if old == best - 1:
                     old = best
@@ -137,12 +172,12 @@ def intercept(agent: Record, params: Record) -> tuple[int, float]:
     agent["aim_time"][0] = agent["now"][0]
     agent["aim"][0, 0] = x
     agent["aim"][0, 1] = y
-    if cycles < 3:
+    if cycles < _CLOSE:
         kind, amount = meet_close_ball(agent, params)
         if kind != NO_COMMAND:
             return kind, amount
-    qx, qy = roll_out(agent, params, min(cycles, 4))
-    if (qx - x) ** 2 + (qy - y) ** 2 < 0.5 * 0.5:
+    qx, qy = roll_out(agent, min(cycles, _OWN_ROLL))
+    if (qx - x) ** 2 + (qy - y) ** 2 < _COMES_HERE * _COMES_HERE:
         # The ball comes here: wait, facing +x.
         return TURN, turn_body_moment(agent, params, agent["pos"][0, 0] + 1.0, agent["pos"][0, 1], 1)
     return planned_move(agent, params, x, y, cycles, TURN_AROUND_DISTANCE)
@@ -167,11 +202,11 @@ def _dash_towards(agent: Record, params: Record, x: float, y: float) -> float:
 def _one_dash(agent: Record, params: Record) -> tuple[int, float]:
     """A dash that brings the ball into reach in one cycle, if there is one: DASH or NO_COMMAND, and power."""
     bx, by = ball_after(agent, params, 1)
-    limit = 0.95 * agent["kick_dist"][0]
+    limit = _DASH_SHARE * agent["kick_dist"][0]
     c, s = agent["body_cos"][0], agent["body_sin"][0]
-    qx, qy = roll_out(agent, params, 1)
+    qx, qy = roll_out(agent, 1)
     along, across = (bx - qx) * c + (by - qy) * s, (by - qy) * c - (bx - qx) * s
-    radius = params["player_size"][0] + params["ball_size"][0] + params["kickable_margin"][0] / 6.0
+    radius = params["player_size"][0] + params["ball_size"][0] + params["kickable_margin"][0] / _MARGIN_PARTS
     half2 = radius * radius - across * across
     if half2 > 0.0:
         half = math.sqrt(half2)
@@ -208,7 +243,7 @@ def _collide(agent: Record, params: Record) -> tuple[int, float]:
 @kernel
 def _wanted_heading(agent: Record) -> float:
     """Where to face when the ball arrives: +x, or the opponents' goal when near it (degrees)."""
-    if agent["pos"][0, 0] > 31.0:
+    if agent["pos"][0, 0] > _NEAR_GOAL_X:
         return direction_to(0.5 * PITCH_LENGTH - agent["pos"][0, 0], -agent["pos"][0, 1])
     return 0.0
 
@@ -243,7 +278,7 @@ def meet_close_ball(agent: Record, params: Record) -> tuple[int, float]:
         if kind != NO_COMMAND:
             return kind, amount
         brake = _dash_towards(agent, params, agent["pos"][0, 0], agent["pos"][0, 1])
-        if _gap_after(agent, params, DASH, brake, 2) < 0.8 * agent["kick_dist"][0]:
+        if _gap_after(agent, params, DASH, brake, 2) < _TURN_SHARE * agent["kick_dist"][0]:
             return DASH, brake
     if turn_ok:
         return TURN, moment
@@ -259,8 +294,8 @@ def _turn_first(agent: Record, params: Record, heading: float) -> tuple[bool, bo
     (bool, bool, float)
         Whether that is possible, whether it also ends with the wanted heading, and the moment of the first turn.
     """
-    limit = 0.8 * agent["kick_dist"][0]
-    qx, qy = roll_out(agent, params, 1)
+    limit = _TURN_SHARE * agent["kick_dist"][0]
+    qx, qy = roll_out(agent, 1)
     moment = turn_body_moment(agent, params, qx + math.cos(heading * DEG), qy + math.sin(heading * DEG), 1)
     x, y, vx, vy, turned = own_state_after(agent, params, TURN, moment)
     error = normalize_degrees(heading - agent["body"][0] - turned)

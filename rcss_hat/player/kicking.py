@@ -27,6 +27,14 @@ SURPLUS, HURRY = 1.05, 1.30
 HURRY_DISTANCE = 2.0
 IN_FRONT = 0.16
 """Part of the kickable margin at which the ball lies best for a strong kick."""
+_FROZEN, _AT_REST = 0.8, 0.7
+"""Parts of the kickable distance: within the first a stopped ball is near enough, else it is brought to the second."""
+_CLOSER = 0.1
+"""By so much (m) at least it comes nearer then."""
+_INSIDE = 0.2
+"""The ball is put at least so many metres inside the pitch."""
+_SLOW = 0.1
+"""A faster ball (m/cycle) than this is stopped first, when one kick cannot put it close."""
 
 
 @kernel
@@ -77,17 +85,17 @@ def accelerate_to(agent: Record, params: Record, vx: float, vy: float) -> tuple[
 @kernel
 def freeze(agent: Record, params: Record) -> tuple[float, float]:
     """Kick that stops the ball, or else brings it to rest near the player."""
-    x, y = roll_out(agent, params, 1)
+    x, y = roll_out(agent, 1)
     vx, vy = agent["ball_vel"][0, 0], agent["ball_vel"][0, 1]
     power = min(math.sqrt(vx * vx + vy * vy) / kick_rate(agent, params), params["maxpower"][0])
     direction = normalize_degrees(direction_to(vx, vy) + 180.0 - agent["body"][0])
     bx, by, _, _ = ball_after_kick(agent, params, power, direction)
     reach = agent["kick_dist"][0]
-    if math.sqrt((bx - x) ** 2 + (by - y) ** 2) < 0.8 * reach:
+    if math.sqrt((bx - x) ** 2 + (by - y) ** 2) < _FROZEN * reach:
         return power, direction
     dx, dy = agent["ball_pos"][0, 0] - x, agent["ball_pos"][0, 1] - y
     distance = math.sqrt(dx * dx + dy * dy)
-    part = min(0.7 * reach, distance - 0.1) / distance if distance > 0.0 else 0.0
+    part = min(_AT_REST * reach, distance - _CLOSER) / distance if distance > 0.0 else 0.0
     return accelerate_to(
         agent, params, x + part * dx - agent["ball_pos"][0, 0], y + part * dy - agent["ball_pos"][0, 1]
     )
@@ -95,13 +103,13 @@ def freeze(agent: Record, params: Record) -> tuple[float, float]:
 
 @kernel
 def _on_the_pitch(x: float, y: float, distance: float, way: float) -> float:
-    """Distance at which a point in a direction still lies 0.2 m inside the pitch."""
+    """Distance at which a point in a direction still lies well inside the pitch."""
     c, s = math.cos(way), math.sin(way)
     px, py = x + distance * c, y + distance * s
     if abs(py) > 0.5 * PITCH_WIDTH and s != 0.0:
-        return abs((sign(py) * 0.5 * PITCH_WIDTH - y) / s) - 0.2
+        return abs((sign(py) * 0.5 * PITCH_WIDTH - y) / s) - _INSIDE
     if abs(px) > 0.5 * PITCH_LENGTH and c != 0.0:
-        return abs((sign(px) * 0.5 * PITCH_LENGTH - x) / c) - 0.2
+        return abs((sign(px) * 0.5 * PITCH_LENGTH - x) / c) - _INSIDE
     return distance
 
 
@@ -117,7 +125,7 @@ def kick_close(agent: Record, params: Record, angle: float, part: float) -> tupl
     part : float
         How far out, as part of the kickable margin.
     """
-    x, y = roll_out(agent, params, 1)
+    x, y = roll_out(agent, 1)
     way = (agent["body"][0] + angle) * DEG
     distance = params["player_size"][0] + params["ball_size"][0] + params["kickable_margin"][0] * part
     distance = _on_the_pitch(x, y, distance, way)
@@ -126,7 +134,7 @@ def kick_close(agent: Record, params: Record, angle: float, part: float) -> tupl
     ay = y + distance * math.sin(way) - agent["ball_pos"][0, 1] - vy
     power = math.sqrt(ax * ax + ay * ay) / kick_rate(agent, params)
     if power > params["maxpower"][0]:
-        if vx * vx + vy * vy > 0.1 * 0.1:
+        if vx * vx + vy * vy > _SLOW * _SLOW:
             return freeze(agent, params)
         power = params["maxpower"][0]
     return power, normalize_degrees(direction_to(ax, ay) - agent["body"][0])
@@ -168,7 +176,7 @@ def kick_to(agent: Record, params: Record, x: float, y: float, end_speed: float)
 def _past_own_body(agent: Record, params: Record, ux: float, uy: float, speed: float) -> float:
     """Change a first speed (m/cycle) that would make the ball end its first cycle in the player itself."""
     size = params["player_size"][0] + params["ball_size"][0]
-    x, y = roll_out(agent, params, 1)
+    x, y = roll_out(agent, 1)
     bx, by = agent["ball_pos"][0, 0], agent["ball_pos"][0, 1]
     if (bx + ux * speed - x) ** 2 + (by + uy * speed - y) ** 2 >= size * size:
         return speed

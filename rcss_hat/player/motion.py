@@ -66,7 +66,7 @@ def limited(vx: float, vy: float, top: float) -> tuple[float, float]:
 
 
 @inlined
-def roll_out(agent: Record, params: Record, cycles: int) -> tuple[float, float]:
+def roll_out(agent: Record, cycles: int) -> tuple[float, float]:
     """Own position after rolling up to 4 cycles (m)."""
     roll = agent["roll"][0, cycles]
     return agent["pos"][0, 0] + agent["vel"][0, 0] * roll, agent["pos"][0, 1] + agent["vel"][0, 1] * roll
@@ -317,7 +317,7 @@ def own_state_after(
 @kernel
 def turn_body_moment(agent: Record, params: Record, x: float, y: float, cycles: int) -> float:
     """Moment that turns the body towards a point as seen from where the player will have rolled to (degrees)."""
-    px, py = roll_out(agent, params, cycles)
+    px, py = roll_out(agent, cycles)
     angle = normalize_degrees(direction_to(x - px, y - py) - agent["body"][0])
     vx, vy = agent["vel"][0, 0], agent["vel"][0, 1]
     return turn_moment(params, angle, math.sqrt(vx * vx + vy * vy))

@@ -111,23 +111,12 @@ AGENT = np.dtype(
         ("order", "i8", _S),
         ("distance", "f8", _S),
         ("crowd", "f8", (N_GRID,)),  # how crowded those points are
-        # the decision at hand
-        ("plan_kind", "u1"),  # body command before truncation
-        ("plan_a", "f8"),
-        ("plan_b", "f8"),
-        ("plan_neck", "f8"),
-        ("plan_turns_neck", "u1"),
         # Keepaway
         ("hold_cycles", "i4"),  # from one Hold to the next decision
-        ("status", "i4"),
-        ("reward", "f8"),
         ("last_action", "i4"),
         ("last_action_time", "i4"),  # NEVER: none in this episode
         ("episodes", "i4"),  # beginnings heard of
         ("new_episode", "u1"),  # an end not yet told to the learner
-        ("ended", "u1"),  # decide() saw an episode's end
-        ("ended_acted", "u1"),  # this keeper decided in that episode
-        ("final_reward", "f8"),
         ("taken_guess", "u1"),  # an episode that ended now would have been "taken"
     ],
 )

@@ -170,13 +170,14 @@ def _see_ball(agent: Record, params: Record, see: Record, i: int) -> None:
         expected_x, expected_y = agent["ball_vel"][0, 0], agent["ball_vel"][0, 1]
         usual = 2.0 * params["ball_rand"][0] * math.sqrt(expected_x * expected_x + expected_y * expected_y)
         if abs(vx - expected_x) <= usual and abs(vy - expected_y) <= usual:
+            # Both are off by chance only: what was expected by the ball's noise, what is seen by rounding.
             vx, vy = 0.5 * (vx + expected_x), 0.5 * (vy + expected_y)
     else:
         vx, vy = _ball_velocity_from_positions(agent, params, time, distance, x, y)
     reach = agent["kick_dist"][0]
     _, opponent = closest_opponent(agent, x, y)
     speed2, top = vx * vx + vy * vy, params["ball_speed_max"][0]
-    if opponent < reach and distance > reach:
+    if opponent < reach and distance > reach:  # he has it, and will have stopped it
         vx, vy = 0.0, 0.0
     elif speed2 > ((1.0 + params["ball_rand"][0]) * top) ** 2:
         scale = top / math.sqrt(speed2)

@@ -4,6 +4,28 @@ from __future__ import annotations
 
 EXCERPT = 24
 """Bytes of the message quoted on either side of an error."""
+LINE = 200
+"""Most characters of a message to people that quotes what others sent."""
+
+
+def one_line(text: str, limit: int = LINE) -> str:
+    r"""Make a text that holds what others sent fit for a terminal: one line, printable, not too long.
+
+    Control characters (a terminal's escape sequences, line breaks) and whatever else has no glyph of its own, such as
+    marks that turn the direction of writing, become ``\x1b`` or the like. Letters of any script stay.
+
+    Parameters
+    ----------
+    text : str
+    limit : int
+        Most characters; what is cut off is replaced by three dots.
+    """
+    line = text if text.isprintable() else "".join(c if c.isprintable() else _escape(c) for c in text[: limit + 1])
+    return line if len(line) <= limit else line[: limit - 3] + "..."
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
 
 
 class ProtocolError(Exception):
@@ -12,7 +34,7 @@ class ProtocolError(Exception):
     def __init__(self, message: str) -> None:
         if type(self) is ProtocolError:
             raise TypeError("ProtocolError is abstract; raise LocalProtocolError or RemoteProtocolError")
-        super().__init__(message)
+        super().__init__(one_line(message))
 
 
 class LocalProtocolError(ProtocolError):

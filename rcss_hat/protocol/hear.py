@@ -1,11 +1,12 @@
-"""The hear message, the fast way: tell who spoke, and put a team mate's words into the HEARD record."""
+"""The hear message, the fast way: who spoke, and a team mate's words into the HEARD record; and how it is written."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import kernel, njit
+from rcss_hat.protocol.digits import Buffer, ascii_bytes, put_int, put_spaced_int, put_text
 from rcss_hat.protocol.records import MAX_PLAYERS, SAY_SIZE
 from rcss_hat.protocol.scan import (
     LEFT_PARENTHESIS,
@@ -98,3 +99,51 @@ def _team_mate(data: NDArray[np.uint8], i: int, time: int, direction: float, hea
     for k in range(SAY_SIZE):
         heard["text"][0, k] = byte(data, start + k) if k < n else 0
     return HEARD_TEAM_MATE
+
+
+# --- writing ----------------------------------------------------------------------------------------------------------
+BY_SELF, BY_TEAM_MATE, BY_OPPONENT = range(3)
+_START, _BY_SELF = ascii_bytes("(hear "), ascii_bytes(" self")
+_BY_TEAM_MATE, _BY_OPPONENT = ascii_bytes(" our "), ascii_bytes(" opp")
+
+
+@kernel
+def put_hear(buffer: Buffer, at: int, time: int, speaker: tuple[int, int, int], words: Buffer) -> int:
+    """Write how a player hears a player, with its NUL.
+
+    Parameters
+    ----------
+    buffer : ndarray of uint8
+    at : int
+        Where it begins.
+    time : int
+    speaker : tuple of int
+        BY_SELF, BY_TEAM_MATE or BY_OPPONENT, uniform number, direction (degrees relative to the listener's body).
+    words : ndarray of uint8
+        Empty when only the fact of speaking was heard.
+
+    Returns
+    -------
+    int
+        The position behind it.
+    """
+    who, unum, direction = speaker
+    at = put_int(buffer, put_text(buffer, at, _START), time)
+    if who == BY_SELF:
+        at = put_text(buffer, at, _BY_SELF)
+    else:
+        if words.size > 0:
+            at = put_spaced_int(buffer, at, direction)
+        if who == BY_TEAM_MATE:
+            at = put_int(buffer, put_text(buffer, at, _BY_TEAM_MATE), unum)
+        else:
+            at = put_text(buffer, at, _BY_OPPONENT)
+    if words.size > 0:
+        buffer[at] = SPACE
+        buffer[at + 1] = QUOTE
+        at = put_text(buffer, at + 2, words)
+        buffer[at] = QUOTE
+        at += 1
+    buffer[at] = RIGHT_PARENTHESIS
+    buffer[at + 1] = NUL
+    return at + 2

@@ -1,4 +1,4 @@
-"""The see message: bytes to the SEE record (19.0.0, src/visualsenderplayer, src/serializerplayerstdv8 and v13)."""
+"""The see message: bytes to the SEE record and back (19.0.0, src/visualsenderplayer, src/serializerplayerstdv8 on)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,18 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.numeric.jit import njit
+from rcss_hat.numeric.jit import inlined, kernel, njit
 from rcss_hat.protocol import scan
+from rcss_hat.protocol.digits import (
+    Buffer,
+    ascii_bytes,
+    put_bytes,
+    put_int,
+    put_spaced,
+    put_spaced_int,
+    put_text,
+    text_table,
+)
 from rcss_hat.protocol.errors import RemoteProtocolError
 from rcss_hat.protocol.landmarks import LANDMARK_NAMES, LINE_NAMES
 from rcss_hat.protocol.records import (
@@ -287,3 +297,99 @@ def _plausible(see: NDArray[np.void], k: int) -> bool:
     angles = angles and is_angle(see["head"][0, k]) and is_angle(see["pointing"][0, k])
     changes = is_quantity(see["distance_change"][0, k]) and is_quantity(see["direction_change"][0, k])
     return angles and changes and is_quantity(see["distance"][0, k])
+
+
+# --- writing ----------------------------------------------------------------------------------------------------------
+_NAMES, _NAME_SIZES = text_table(
+    dict(enumerate(LANDMARK_NAMES))
+    | {LINE + i: name for i, name in enumerate(LINE_NAMES)}
+    | {BALL: "b", CLOSE_BALL: "B", CLOSE_PLAYER: "P", CLOSE_FLAG: "F", CLOSE_GOAL: "G"}
+)
+_START, _GOALIE_MARK = ascii_bytes("(see "), ascii_bytes(" goalie")
+
+
+def team_names(own: str, other: str) -> tuple[Buffer, NDArray[np.int64]]:
+    """Return how an observer calls a player of no known team, of its own and of the other team.
+
+    Parameters
+    ----------
+    own, other : str
+        Team names.
+
+    Returns
+    -------
+    names : ndarray of uint8, shape (3, n)
+        Rows by records.UNKNOWN_TEAM, OWN_TEAM, OTHER_TEAM.
+    sizes : ndarray of int64, shape (3,)
+    """
+    return text_table({0: "p", 1: f'p "{own}"', 2: f'p "{other}"'})
+
+
+@inlined
+def _put_name(
+    see: NDArray[np.void], k: int, teams: Buffer, team_sizes: NDArray[np.int64], buffer: Buffer, at: int
+) -> int:
+    buffer[at] = LEFT_PARENTHESIS
+    at += 1
+    code = see["code"][0, k]
+    if code == PLAYER:
+        team = see["team"][0, k]
+        at = put_bytes(buffer, at, teams[team], team_sizes[team])
+        if see["unum"][0, k] > 0:
+            at = put_spaced_int(buffer, at, see["unum"][0, k])
+            if see["goalie"][0, k]:
+                at = put_text(buffer, at, _GOALIE_MARK)
+    else:
+        at = put_bytes(buffer, at, _NAMES[code], _NAME_SIZES[code])
+    buffer[at] = RIGHT_PARENTHESIS
+    return at + 1
+
+
+@inlined
+def _put_fields(see: NDArray[np.void], k: int, buffer: Buffer, at: int) -> int:
+    bits = see["fields"][0, k]
+    if bits & HAS_DISTANCE:
+        at = put_spaced(buffer, at, see["distance"][0, k])
+    at = put_spaced_int(buffer, at, int(see["direction"][0, k]))
+    if bits & HAS_CHANGE:
+        at = put_spaced(buffer, at, see["distance_change"][0, k])
+        at = put_spaced(buffer, at, see["direction_change"][0, k])
+    if bits & HAS_FACING:
+        at = put_spaced_int(buffer, at, int(see["body"][0, k]))
+        at = put_spaced_int(buffer, at, int(see["head"][0, k]))
+    if bits & HAS_POINTING:
+        at = put_spaced_int(buffer, at, int(see["pointing"][0, k]))
+    if bits & (IS_TACKLING | IS_KICKING):
+        buffer[at] = SPACE
+        buffer[at + 1] = _LOWER_T if bits & IS_TACKLING else _LOWER_K
+        at += 2
+    return at
+
+
+@kernel
+def write_see(see: NDArray[np.void], teams: Buffer, team_sizes: NDArray[np.int64], buffer: Buffer) -> int:
+    """Write a see message.
+
+    Parameters
+    ----------
+    see : ndarray of records.SEE, shape (1,)
+    teams, team_sizes
+        As from `team_names`.
+    buffer : ndarray of uint8, shape (8192,)
+
+    Returns
+    -------
+    int
+        Length of the message.
+    """
+    at = put_text(buffer, 0, _START)
+    at = put_int(buffer, at, see["time"][0])
+    for k in range(see["n"][0]):
+        buffer[at] = SPACE
+        buffer[at + 1] = LEFT_PARENTHESIS
+        at = _put_name(see, k, teams, team_sizes, buffer, at + 2)
+        at = _put_fields(see, k, buffer, at)
+        buffer[at] = RIGHT_PARENTHESIS
+        at += 1
+    buffer[at] = RIGHT_PARENTHESIS
+    return at + 1

@@ -1,165 +1,139 @@
-"""A player's side of the conversation with a server, without sockets.
+"""How a player joins a match over a network that may lose, double, reorder and delay: the handshake, without sockets.
 
-The conversation has four states. In NEW nothing was sent; only ``(init ...)`` or ``(reconnect ...)`` may be. That leads
-to JOINING: the server has been asked and answers with ``(init SIDE UNUM MODE)``, which leads to PLAYING, or with an
-error, which leads back to NEW (another team name may be tried). The server sends its parameters right behind its
-answer, so they arrive in PLAYING. ``(bye)`` is never answered; it leads to GONE, where nothing may be sent. Table
-`NEXT` holds all of this; whatever is not in it is a mistake of the one who acts: ours is a LocalProtocolError, raised
-before anything is sent; the server's is a RemoteProtocolError.
+A player asks for a place by ``(init TEAM (version V))``, or for an old one by ``(reconnect TEAM UNUM)``, from one
+address. The server (19.0.0, src/stadium.cpp: udp_recv_message, parsePlayerInit) answers from a port that it opens for
+this player: the place, ``(init SIDE UNUM MODE)``, and right behind it its parameters, ``(server_param ...)``. It tells
+both once. Asking again from the same address makes no second player: the server answers ``(error
+only_init_allowed_on_init_port)`` from the player's port, which proves that it knows the player. Refusals come from the
+port that was asked.
+
+The states of the conversation and what leads from one to another are table `NEXT`. Any other message leaves the state
+as it is: it belongs to the match that has begun, and is kept until the player has joined.
 """
 
 from __future__ import annotations
 
-import re
 from enum import Enum
 
 from rcss_hat.protocol import messages
-from rcss_hat.protocol.commands import Bye, Command, Compression, Init, Reconnect, datagram
+from rcss_hat.protocol.commands import Command, Init, Reconnect, datagram
 from rcss_hat.protocol.errors import LocalProtocolError, RemoteProtocolError
-from rcss_hat.protocol.params import ServerParams
-from rcss_hat.protocol.play_modes import PLAY_MODE_IDS
+
+KNOWN = "only_init_allowed_on_init_port"
+"""The server's answer to somebody who has joined already."""
+KEPT = 64
+"""Messages that are kept until the player has joined; more than two cycles of a match."""
 
 
 class State(Enum):
-    """Where a conversation is."""
+    """Where the conversation is."""
 
-    NEW = "new"
-    JOINING = "joining"
-    PLAYING = "playing"
-    GONE = "gone"
+    ASKING = "asking"
+    PLACED = "placed"
+    """The server has told the place, not yet its parameters."""
+    TOLD = "told"
+    """The server has told its parameters; what told the place is late, or lost."""
+    JOINED = "joined"
+    REFUSED = "refused"
 
 
-NEXT: dict[tuple[State, type], State] = {
-    # what we send
-    (State.NEW, Init): State.JOINING,
-    (State.NEW, Reconnect): State.JOINING,
-    (State.JOINING, Init): State.JOINING,  # again: the first may be lost
-    (State.JOINING, Reconnect): State.JOINING,
-    (State.PLAYING, Command): State.PLAYING,  # any of a player's
-    (State.PLAYING, Bye): State.GONE,
-    # what the server sends
-    (State.JOINING, messages.Init): State.PLAYING,
-    (State.JOINING, messages.Reconnect): State.PLAYING,
-    (State.JOINING, messages.Error): State.NEW,
-    (State.PLAYING, messages.Event): State.PLAYING,
-    (State.GONE, messages.Event): State.GONE,  # what was under way when we left
+NEXT: dict[tuple[State, type[messages.Event]], State] = {
+    (State.ASKING, messages.Init): State.PLACED,
+    (State.ASKING, messages.Reconnect): State.PLACED,
+    (State.ASKING, messages.ServerParam): State.TOLD,
+    (State.ASKING, messages.Error): State.REFUSED,
+    (State.PLACED, messages.ServerParam): State.JOINED,
+    (State.TOLD, messages.Init): State.JOINED,
+    (State.TOLD, messages.Reconnect): State.JOINED,
 }
-_GOAL = re.compile(r"(goal_[lr])_[0-9]+")
+"""What the server says, and where it leads. In any other state an error is an answer to an init that was repeated, or
+doubled on its way."""
 
 
-class PlayerSession:
-    """One player's conversation with a server.
+class Handshake:
+    """One player's way into a match.
 
     Parameters
     ----------
-    profile : {"19.0", "11.1"}
-        Whose defaults to assume for parameters the server does not tell.
+    team : str
+    version : int
+        Of the protocol.
+    unum : int, optional
+        The number of somebody who comes back.
 
     Attributes
     ----------
     state : State
-    team : str
-    side : str
-        ``"l"`` or ``"r"``; empty before the server's answer.
-    unum : int
-        0 before the server's answer.
-    mode : str
-        The play mode, as far as the referee told.
-    params : ServerParams or None
-    player_param : PlayerParam or None
-    player_types : dict of int to PlayerType
-    types : dict of int to int
-        Type of every team mate whose type was changed, by uniform number; all others have type 0.
+    request : bytes
+        The datagram that asks; to be repeated until the server says anything.
+    place : Init or None
+        Side, uniform number and play mode.
+    params : bytes or None
+        The server's ``server_param`` message.
+    kept : list of bytes
+        What belongs to the match, in the order in which it came.
+
+    Raises
+    ------
+    LocalProtocolError
+        When the team's name is illegal.
     """
 
-    def __init__(self, profile: str = "19.0") -> None:
-        self.profile = profile
-        self.state = State.NEW
-        self.team = self.side = self.mode = ""
-        self.unum = 0
-        self.params: ServerParams | None = None
-        self.player_param: messages.PlayerParam | None = None
-        self.player_types: dict[int, messages.PlayerType] = {}
-        self.types: dict[int, int] = {}
-
-    def initialise(self, team: str, version: int = 11, goalie: bool = False) -> bytes:
-        """Return the datagram that asks for a place in a team.
-
-        Raises
-        ------
-        LocalProtocolError
-            When the session has begun already, or an argument is illegal.
-        """
-        data = self.send(Init(team, version, goalie))
-        self.team = team
-        return data
-
-    def reconnect(self, team: str, unum: int) -> bytes:
-        """Return the datagram that asks for an old place; raises as `initialise`."""
-        data = self.send(Reconnect(team, unum))
+    def __init__(self, team: str, version: int, unum: int | None = None) -> None:
         self.team, self.unum = team, unum
-        return data
+        command: Command = Init(team, version) if unum is None else Reconnect(team, unum)
+        self.request = datagram(command)
+        self.state = State.ASKING
+        self.place: messages.Init | None = None
+        self.params: bytes | None = None
+        self.kept: list[bytes] = []
 
-    def send(self, *commands: Command) -> bytes:
-        """Return the datagram of some commands.
+    @property
+    def joined(self) -> bool:
+        """Whether everything is known that a player needs."""
+        return self.state is State.JOINED
 
-        Raises
-        ------
-        LocalProtocolError
-            When a command is illegal, or illegal now.
-        """
-        state = self.state
-        for command in commands:
-            if isinstance(command, Compression):
-                raise LocalProtocolError("this session does not compress messages; leave compression off")
-            state = self._next(state, command, LocalProtocolError)
-        data = datagram(*commands)
-        self.state = state
-        return data
-
-    def receive_data(self, data: bytes) -> messages.Event:
-        """Take a datagram from the server and return what it says.
+    def receive(self, data: bytes) -> None:
+        """Take a datagram from the server.
 
         Raises
         ------
         RemoteProtocolError
-            When it is malformed, or when the server must not send it now.
+            When the server refuses the player, or its message is malformed.
         """
         event = messages.parse(data, self.team)
-        self.state = self._next(self.state, event, RemoteProtocolError)
-        if isinstance(event, messages.Hear):
-            self._hear(event)
-        elif isinstance(event, messages.Init):
-            self.side, self.unum, self.mode = event.side, event.unum, event.mode
-        elif isinstance(event, messages.Reconnect):
-            self.side, self.mode = event.side, event.mode
-        elif isinstance(event, messages.ServerParam):
-            self.params = event.to_params(self.profile)
-        elif isinstance(event, messages.PlayerParam):
-            self.player_param = event
-        elif isinstance(event, messages.PlayerType):
-            self.player_types[event.id] = event
-        elif isinstance(event, messages.ChangePlayerType) and event.player_type is not None:
-            self.types[event.unum] = event.player_type
-        return event
-
-    def _next(
-        self, state: State, message: Command | messages.Event, error: type[LocalProtocolError | RemoteProtocolError]
-    ) -> State:
-        general: type = Command if isinstance(message, Command) else messages.Event
-        following = NEXT.get((state, type(message)))
-        if following is None and not (isinstance(message, Command) and message.alone):  # those are for others to send
-            following = NEXT.get((state, general))
-        if following is None:
-            allowed = sorted(kind.__name__ for at, kind in NEXT if at is state and issubclass(kind, general))
-            name = type(message).__name__
-            raise error(f"{name} is not allowed in state {state.value}; allowed: {', '.join(allowed) or 'nothing'}")
-        return following
-
-    def _hear(self, event: messages.Hear) -> None:
-        if event.source != "referee" or event.text is None:
+        if isinstance(event, messages.Error) and event.text == KNOWN:
             return
-        goal = _GOAL.fullmatch(event.text)
-        mode = goal[1] if goal else event.text
-        if mode in PLAY_MODE_IDS:
-            self.mode = mode
+        following = NEXT.get((self.state, type(event)))
+        if following is State.REFUSED:
+            assert isinstance(event, messages.Error)
+            self.state = following
+            raise RemoteProtocolError(f"the server refuses {self.team!r}: {event.text}")
+        if following is not None:
+            self.state = following
+            self._take(event, data)
+        elif not isinstance(event, (messages.Init, messages.Reconnect, messages.ServerParam, messages.Error)):
+            self.kept.append(data)
+            del self.kept[:-KEPT]
+
+    def _take(self, event: messages.Event, data: bytes) -> None:
+        if isinstance(event, messages.Init):
+            self.place = event
+        elif isinstance(event, messages.Reconnect):
+            if self.unum is None:
+                raise RemoteProtocolError("the server lets somebody come back who asked for a new place")
+            self.place = messages.Init(side=event.side, unum=self.unum, mode=event.mode)
+        else:
+            self.params = data
+
+    def told(self) -> list[bytes]:
+        """Return what a player who has joined takes in before anything else: the parameters, then what was kept.
+
+        Raises
+        ------
+        LocalProtocolError
+            When the player has not joined.
+        """
+        if self.params is None or not self.joined:
+            raise LocalProtocolError(f"{self.team!r} has not joined yet")
+        return [self.params, *self.kept]

@@ -21,6 +21,8 @@ from rcss_hat.viewer.situation import around, believed_mates
 HOLD = 0
 GRACE = 5
 """Cycles that an intention waits for somebody to get the ball."""
+SHOWN = 8
+"""Cycles for which people are shown that a key came too late."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +62,10 @@ class KeyChannel:
         What no keeper has taken up yet.
     taken : (int, int) or None
         Cycle and action of the last pass that a key started.
+    lapsed : (int, int) or None
+        Cycle and action of the last key that came too late: nobody took it up.
+    presses : int
+        How many keys were pressed.
     """
 
     def __init__(self, actions: Sequence[int] = (0, 1, 2), grace: int = GRACE) -> None:
@@ -69,6 +75,8 @@ class KeyChannel:
         self.grace = grace
         self.pending: Press | None = None
         self.taken: tuple[int, int] | None = None
+        self.lapsed: tuple[int, int] | None = None
+        self.presses = 0
         self._cycle = 0
         self._holder: str | None = None
         self._mates: dict[str, int] = {}
@@ -84,6 +92,7 @@ class KeyChannel:
         """
         if action not in self.actions:
             return False
+        self.presses += 1
         self.pending = None if action == HOLD else Press(action, None, self._cycle, self._holder)
         return True
 
@@ -91,6 +100,7 @@ class KeyChannel:
         """Ask for a pass to a team mate (id such as ``l2``)."""
         if mate not in self._mates:
             return False
+        self.presses += 1
         self.pending = Press(self._mates[mate], mate, self._cycle, self._holder)
         return True
 
@@ -107,7 +117,16 @@ class KeyChannel:
             late = press.holder is None and self._cycle - press.cycle > self.grace
             if lost or late:
                 self.pending = None
+                if not self._repeats(press):
+                    self.lapsed = (self._cycle, press.action)
         frame["pending"] = self.pending.action if self.pending is not None else None
+        lapsed = self.lapsed
+        frame["lapsed"] = lapsed[1] if lapsed is not None and 0 <= self._cycle - lapsed[0] < SHOWN else None
+
+    def _repeats(self, press: Press) -> bool:
+        """Tell whether a key was pressed twice for one pass, which was played."""
+        taken = self.taken
+        return taken is not None and taken[1] == press.action and 0 <= press.cycle - taken[0] <= self.grace
 
     def take(self, keeper: int, cycle: int, state: Sequence[float]) -> int:
         """Choose for a keeper (uniform number) who has the ball, at his decision point.

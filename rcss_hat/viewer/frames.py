@@ -18,7 +18,9 @@ action     what the holder last chose, or None
 episode    number of the running episode, from 1; 0 when its begin was not seen
 start      cycle in which it began
 choices    K1's passes: ``{"action", "name", "mate", "arrow"}``; when a person plays, those that he may choose
+score      goals of the left and the right team; None in Keepaway, and where they are not known
 pending    action a person has asked for that no keeper has taken up yet, or None
+lapsed     action a person asked for a moment ago, too late for any keeper to take it up, or None
 ========== ============================================================================================================
 """
 
@@ -34,6 +36,8 @@ PITCH_LENGTH, PITCH_WIDTH = 105.0, 68.0
 CYCLE_S = 0.1
 """Seconds of the game in a cycle, at whatever pace it is played."""
 TEAMS = ("keepers", "takers")
+SIDES = ("left", "right")
+"""What teams without a name are called in Keepaway, and in other matches."""
 HOLD = "Hold"
 
 
@@ -63,7 +67,9 @@ class Frame(TypedDict):
     episode: int
     start: int
     choices: list[Choice]
+    score: list[int] | None
     pending: int | None
+    lapsed: int | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,12 +127,15 @@ class Snapshot:
         x, y in metres, vx, vy in metres per cycle.
     players : tuple of Player
         Those on the field, left side first, by number.
+    score : (int, int) or None
+        Goals of the left and the right team, where they are known.
     """
 
     time: int
     mode: str
     ball: tuple[float, float, float, float]
     players: tuple[Player, ...]
+    score: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,8 +183,3 @@ class Setup:
     def to_dict(self) -> dict[str, Any]:
         """Return it ready for JSON."""
         return asdict(self)
-
-
-def action_name(action: int) -> str:
-    """Name of an action: ``Hold``, ``PASS1``, ..."""
-    return HOLD if action == 0 else f"PASS{action}"

@@ -4,26 +4,22 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import socket
-from typing import Any
-
-import asyncio_dgram
-from asyncio_dgram.aio import DatagramServer
 
 from rcss_hat.protocol import messages
 from rcss_hat.protocol.commands import DispBye, DispInit, datagram
-from rcss_hat.protocol.errors import RemoteProtocolError
+from rcss_hat.protocol.errors import RemoteProtocolError, one_line
+from rcss_hat.protocol.session import KNOWN
+from rcss_hat.stage.connection import Connection, ServerGone
 from rcss_hat.viewer.audience import Audience, WatchError
+from rcss_hat.viewer.frames import Setup
 from rcss_hat.viewer.narrator import Insight, Narrator
-from rcss_hat.viewer.shows import read, setup_of, snapshot_of, team_names
+from rcss_hat.viewer.shows import read, setup_of, snapshot_of
 
 MONITOR_VERSION = 4
-RECEIVE_BUFFER = 1 << 20
 PATIENCE = 10.0
 """Seconds that a server may take to answer, or to be silent, before it counts as gone."""
 RETRY = 0.25
 """Seconds between attempts to connect."""
-Address = tuple[Any, ...]
 
 
 class MonitorSource:
@@ -79,68 +75,34 @@ class MonitorSource:
 
     async def _session(self, audience: Audience) -> None:
         """Watch from connecting to the server's end; returns only when we are to stay."""
-        stream, server, first = await self._connect()
+        connection = Connection(self.host, self.port, "")
+        try:
+            first = await connection.open(
+                datagram(DispInit(MONITOR_VERSION)), attempts=max(1, round(self.patience / RETRY)), pause=RETRY
+            )
+        except ServerGone as error:
+            raise WatchError(str(error)) from error
         session = _Session(self, audience)
         try:
             session.take(first)
             while True:
                 try:
                     async with asyncio.timeout(self.patience):
-                        data, _ = await stream.recv()
-                except TimeoutError:
+                        data = await connection.receive()
+                except (TimeoutError, ServerGone):
                     break
-                except (OSError, asyncio_dgram.TransportClosed):
-                    break
-                session.take(bytes(data))
+                session.take(data)
         finally:
-            await _leave(stream, server)
+            await _leave(connection)
         if not self.stay:
             raise WatchError(f"the server at {self.host}:{self.port} has gone")
 
-    async def _connect(self) -> tuple[DatagramServer, Address, bytes]:
-        """Greet the server until it answers, then listen only to the port it answered from."""
-        loop = asyncio.get_running_loop()
-        try:
-            infos = await loop.getaddrinfo(self.host, self.port, type=socket.SOCK_DGRAM)
-        except socket.gaierror as error:
-            raise WatchError(f"the host {self.host!r} is not known ({error.strerror})") from error
-        family, _, _, _, address = infos[0]
-        end = socket.socket(family, socket.SOCK_DGRAM)
-        end.setblocking(False)
-        end.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-        end.bind(("", 0))
-        stream = await asyncio_dgram.from_socket(end)
-        assert isinstance(stream, DatagramServer)
-        greeting = datagram(DispInit(MONITOR_VERSION))
-        give_up = loop.time() + self.patience
-        try:
-            while loop.time() < give_up:
-                await stream.send(greeting, address)
-                try:
-                    async with asyncio.timeout(RETRY):
-                        reply, sender = await stream.recv()
-                except TimeoutError:
-                    continue
-                except OSError:
-                    await asyncio.sleep(RETRY)
-                    continue
-                if isinstance(sender, tuple) and sender[0] == address[0]:
-                    end.connect(sender)
-                    return stream, sender, bytes(reply)
-        except BaseException:
-            stream.close()
-            raise
-        stream.close()
-        raise WatchError(
-            f"no server answers at {self.host}:{self.port} (waited {self.patience:.0f} s); is it running there?"
-        )
 
-
-async def _leave(stream: DatagramServer, server: Address) -> None:
+async def _leave(connection: Connection) -> None:
     """Say goodbye, so that the server need not find out, and close."""
-    with contextlib.suppress(OSError, asyncio_dgram.TransportClosed):
-        await stream.send(datagram(DispBye()), server)
-    stream.close()
+    with contextlib.suppress(ServerGone):
+        await connection.send(datagram(DispBye()))
+    connection.close()
 
 
 class _Session:
@@ -150,9 +112,13 @@ class _Session:
         self.source, self.audience = source, audience
         self.params: messages.ServerParam | None = None
         self.narrator: Narrator | None = None
+        self._names: tuple[str, str] | None = None
 
     def take(self, data: bytes) -> None:
-        """Take a datagram; what is neither parameters nor a frame is nothing to see."""
+        """Take a datagram; what is neither parameters nor a frame is nothing to see.
+
+        A server that took long to answer says of every further greeting that it knows us: no refusal.
+        """
         try:
             event = read(data)
         except RemoteProtocolError as error:
@@ -162,24 +128,24 @@ class _Session:
             self._show(event)
         elif isinstance(event, messages.ServerParam):
             self.params = event
-        elif isinstance(event, messages.Error):
+        elif isinstance(event, messages.Error) and event.text != KNOWN:
             raise WatchError(
                 f"the server at {self.source.host}:{self.source.port} refuses a monitor of version "
-                f"{MONITOR_VERSION}: {event.text}"
+                f"{MONITOR_VERSION}: {one_line(event.text)}"
             )
 
     def _show(self, show: messages.Show) -> None:
-        teams = team_names(show.team)
-        if self.narrator is None or self.narrator.setup.teams != teams:
-            self._set_up(teams)
+        names = None if show.team is None else (show.team.left, show.team.right)
+        if self.narrator is None or self._names != names:
+            self._names = names
+            self._set_up(setup_of(self.params, self.source.title, show.team))
         assert self.narrator is not None
         frame, ended = self.narrator.tell(snapshot_of(show, "play_on"))
         self.audience.frame(frame)
         if ended is not None:
             self.audience.episode(ended)
 
-    def _set_up(self, teams: tuple[str, str]) -> None:
-        setup = setup_of(self.params, self.source.title, teams)
+    def _set_up(self, setup: Setup) -> None:
         if self.narrator is None:
             self.narrator = Narrator(setup, self.source.insight)
             self.audience.episodes([])

@@ -3,42 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
-from rcss_hat.keepaway.decision import hold_cycles_of
+from rcss_hat.keepaway.decision import Decision, action_name
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.viewer.episodes import EpisodeTracker
-from rcss_hat.viewer.frames import Choice, Frame, Setup, Snapshot, action_name
+from rcss_hat.viewer.frames import Choice, Frame, Setup, Snapshot
 from rcss_hat.viewer.situation import Situation, arrow_keys, believed_mates, situation, state_variables
-
-if TYPE_CHECKING:
-    from rcss_hat.keepaway.decision import Decide, EpisodeEnd, KeeperPolicy
 
 Values = Callable[[int, Sequence[float]], Sequence[float] | None]
 """Q-values of a keeper: (uniform number, state variables) -> one value per action, or None."""
 _FRESH = 2
 """A thought is shown for so many cycles; the frame of a cycle comes before the decisions of that cycle."""
-
-
-@dataclass(frozen=True, slots=True)
-class Thought:
-    """What one keeper saw and chose at a decision point.
-
-    Attributes
-    ----------
-    cycle : int
-    state : tuple of float
-        State variables as the keeper perceived them.
-    action : int
-    """
-
-    cycle: int
-    state: tuple[float, ...]
-    action: int
 
 
 class Insight:
@@ -52,29 +27,13 @@ class Insight:
 
     def __init__(self, values: Values | None = None) -> None:
         self.values = values
-        self._thoughts: dict[int, Thought] = {}
+        self._thoughts: dict[int, Decision] = {}
 
-    def decided(self, keeper: int, cycle: int, state: Sequence[float], action: int) -> None:
-        """Take note of a decision of a keeper (uniform number)."""
-        self._thoughts[keeper] = Thought(cycle, tuple(float(v) for v in state), int(action))
+    def decided(self, decision: Decision) -> None:
+        """Take note of a decision."""
+        self._thoughts[decision.keeper] = decision
 
-    def of(self, policy: KeeperPolicy) -> KeeperPolicy:
-        """Return the same policy of a team of keepers, with its decisions noted here."""
-
-        def noted(number: int) -> tuple[Decide, EpisodeEnd | None]:
-            decide, ended = policy(number)
-
-            def note(cycle: int, status: int, reward: float, state: NDArray[np.float64]) -> int:
-                action = decide(cycle, status, reward, state)
-                self.decided(number + 1, cycle, state.tolist(), action)
-                return action
-
-            return note, ended
-
-        noted.hold_cycles = hold_cycles_of(policy)  # type: ignore[attr-defined]
-        return noted
-
-    def thought(self, keeper: int, time: int) -> Thought | None:
+    def thought(self, keeper: int, time: int) -> Decision | None:
         """Return what a keeper thought just before a cycle, or None when that is too long ago."""
         thought = self._thoughts.get(keeper)
         return thought if thought is not None and 0 <= time - thought.cycle <= _FRESH else None
@@ -85,7 +44,7 @@ def make_frame(
     setup: Setup,
     episode: int,
     start: int,
-    thought: Callable[[int, int], Thought | None] | None = None,
+    thought: Callable[[int, int], Decision | None] | None = None,
     values: Values | None = None,
 ) -> Frame:
     """Make the frame of a snapshot.
@@ -117,7 +76,9 @@ def make_frame(
         "episode": episode,
         "start": start,
         "choices": [],
+        "score": None if setup.keepaway or snapshot.score is None else list(snapshot.score),
         "pending": None,
+        "lapsed": None,
     }
     if setup.keepaway and here.keepers:
         _add_keepaway(frame, snapshot, here, thought, values)
@@ -128,7 +89,7 @@ def _add_keepaway(
     frame: Frame,
     snapshot: Snapshot,
     here: Situation,
-    thought: Callable[[int, int], Thought | None] | None,
+    thought: Callable[[int, int], Decision | None] | None,
     values: Values | None,
 ) -> None:
     frame["keepers"] = [p.id for p in here.keepers]
@@ -145,7 +106,7 @@ def _add_keepaway(
         frame["values"] = None if found is None else [round(float(v), 3) for v in found]
 
 
-def choices(here: Situation, thought: Thought | None = None) -> list[Choice]:
+def choices(here: Situation, thought: Decision | None = None) -> list[Choice]:
     """List the passes that K1 can play, in the order in which K1 itself sees its team mates where that is known."""
     arrows = arrow_keys(here)
     mates = [mate.id for mate in here.mates] if thought is None else believed_mates(here, thought.state)

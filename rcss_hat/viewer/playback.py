@@ -8,10 +8,11 @@ import math
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.viewer.audience import Audience
 from rcss_hat.viewer.frames import Frame, Setup, Snapshot
-from rcss_hat.viewer.narrator import Thought, Values, make_frame
+from rcss_hat.viewer.narrator import Values, make_frame
 
 SLOWEST, FASTEST = 0.1, 100.0
 TICK = 1.0 / 60.0
@@ -36,7 +37,7 @@ class Scene:
     snapshot: Snapshot
     episode: int
     start: int
-    thoughts: dict[int, Thought] = field(default_factory=dict)
+    thoughts: dict[int, Decision] = field(default_factory=dict)
 
 
 class Reel(Protocol):
@@ -205,7 +206,7 @@ class Playback:
         """Make the frame of a scene."""
         scene = self.reel.scenes[position]
 
-        def thought(keeper: int, time: int) -> Thought | None:
+        def thought(keeper: int, time: int) -> Decision | None:
             return scene.thoughts.get(keeper)
 
         return make_frame(scene.snapshot, self.reel.setup, scene.episode, scene.start, thought, self.reel.values)

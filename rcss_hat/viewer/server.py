@@ -2,7 +2,7 @@
 
 Only this machine can reach it: it listens on the loopback interface, answers only to loopback host names (so that no
 foreign name can be pointed at it), takes WebSockets only from its own page, and only from browsers that opened the
-link with the token in it. The first browser whose page connects plays; others may watch.
+link with the token in it. The first browser whose page connects plays; others may watch, and play when it has gone.
 """
 
 from __future__ import annotations
@@ -16,90 +16,33 @@ import sys
 import webbrowser
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from importlib import resources
 from typing import Any
 
 from aiohttp import WSMsgType, web
 
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.viewer.audience import Source, WatchError
-from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.browser import Browser
+from rcss_hat.viewer.demonstrator import Demonstrator
+from rcss_hat.viewer.door import Door
 from rcss_hat.viewer.frames import Frame, Setup
+from rcss_hat.viewer.pagefiles import HEADERS, static_files
+from rcss_hat.viewer.seat import PLAYER, Seat
 
 HOST = "127.0.0.1"
 LOOPBACK_NAMES = {"127.0.0.1", "localhost"}
-PLAYER, WATCHER = "player", "watcher"
 MAX_MESSAGE = 4096
 """Bytes of the longest message a page may send."""
-PICTURE = 1.0 / 60.0
-"""Seconds between two pictures sent to a page, at least."""
-HEARTBEAT = 20.0
+HEARTBEAT = 5.0
+"""Seconds between two questions whether a page is still there."""
+SEAT_KEPT = 3.0
+"""Seconds that the seat is kept for a browser without a page: as long as loading one again takes."""
 FAREWELL = 0.5
 """Seconds a page gets to take the last messages when the viewer is closed."""
 _HUGE = 1e15
 
-_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".svg": "image/svg+xml"}
-_HEADERS = {
-    "Content-Security-Policy": (
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-        "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-    ),
-    "Cross-Origin-Opener-Policy": "same-origin",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Referrer-Policy": "no-referrer",
-    "X-Content-Type-Options": "nosniff",
-    "Cache-Control": "no-store",
-}
 _FOREIGN = "This page answers only to localhost and 127.0.0.1.\n"
 _NO_TOKEN = "Open the link that rcss-hat printed: it has a token in it, and this address has not.\n"
-
-
-def static_files() -> dict[str, tuple[bytes, str]]:
-    """Read the page's files: name to (content, content type)."""
-    folder = resources.files("rcss_hat.viewer") / "static"
-    found = {}
-    for file in folder.iterdir():
-        suffix = "." + file.name.rpartition(".")[2]
-        if suffix in _TYPES:
-            found[file.name] = file.read_bytes(), _TYPES[suffix]
-    return found
-
-
-class _Browser:
-    """One connected page. What comes too fast for it is left out; nobody waits for it."""
-
-    def __init__(self, socket: web.WebSocketResponse, role: str) -> None:
-        self.socket, self.role = socket, role
-        self._messages: list[str] = []
-        self._latest: dict[str, Mapping[str, Any]] = {}
-        self._wake = asyncio.Event()
-
-    def say(self, message: Mapping[str, Any]) -> None:
-        """Queue a message that must not be lost."""
-        self._messages.append(json.dumps(message))
-        self._wake.set()
-
-    def show(self, kind: str, message: Mapping[str, Any]) -> None:
-        """Queue a message that the next one of its kind replaces."""
-        self._latest[kind] = message
-        self._wake.set()
-
-    async def send(self) -> None:
-        """Send what is queued, until the page has gone."""
-        while not self.socket.closed:
-            await self._wake.wait()
-            self._wake.clear()
-            await self.flush()
-            await asyncio.sleep(PICTURE)
-
-    async def flush(self) -> None:
-        """Send what is queued now."""
-        messages, self._messages = self._messages, []
-        latest, self._latest = self._latest, {}
-        for text in messages:
-            await self.socket.send_str(text)
-        for message in latest.values():
-            await self.socket.send_str(json.dumps(message))
 
 
 class Viewer:
@@ -113,18 +56,18 @@ class Viewer:
         Why the source ended, when it did.
     """
 
-    def __init__(self, source: Source, controls: Demonstration | None) -> None:
+    def __init__(self, source: Source, controls: Demonstrator | None) -> None:
         self.source, self.controls = source, controls
         self.url = ""
         self.failure: str | None = None
         self._token = secrets.token_urlsafe(24)
         self._sessions: set[str] = set()
-        self._player: str | None = None
-        self._players = 0  # pages of the browser that plays
-        self._browsers: set[_Browser] = set()
+        self._seat = Seat()
+        self._release: asyncio.TimerHandle | None = None
+        self._browsers: set[Browser] = set()
         self._files = static_files()
         self._cookie = "rcss_hat"
-        self._runner: web.AppRunner | None = None
+        self._door: Door | None = None
         self._source_task: asyncio.Task[None] | None = None
         self._told: dict[str, Mapping[str, Any]] = {}
         self._episodes: list[dict[str, Any]] = []
@@ -132,19 +75,14 @@ class Viewer:
     # -- beginning and end --------------------------------------------------------------------------------------------
     async def start(self, port: int) -> None:
         """Listen, and begin to show the source; nobody is there to play yet."""
-        self._count_players(0)
+        self._seat_changed()
         app = web.Application(middlewares=[self._guard], client_max_size=MAX_MESSAGE)
         app.router.add_get("/", self._page)
         app.router.add_get("/socket", self._socket)
         app.router.add_get("/{name}", self._static)
-        self._runner = web.AppRunner(app, access_log=None, shutdown_timeout=1.0)
-        await self._runner.setup()
-        try:
-            await web.TCPSite(self._runner, HOST, port).start()
-        except OSError:
-            await self._runner.cleanup()
-            raise
-        bound = self._runner.addresses[0][1]
+        door = Door(app)
+        bound = await door.open(HOST, port)
+        self._door = door
         self._cookie = f"rcss_hat_{bound}"
         self.url = f"http://{HOST}:{bound}/?token={self._token}"
         self._source_task = asyncio.create_task(self._run_source())
@@ -177,14 +115,19 @@ class Viewer:
             self._source_task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await self._source_task
+        if self.controls is not None:
+            self._tell_controls()
+            self._say_and_keep("farewell", {"type": "farewell", **self.controls.farewell()})
         for browser in list(self._browsers):
             with contextlib.suppress(ConnectionError, TimeoutError):
                 async with asyncio.timeout(FAREWELL):
                     await browser.flush()
             await browser.socket.close(code=1001, message=b"the viewer was closed")
-        if self._runner is not None:
-            await self._runner.cleanup()
-            self._runner = None
+        if self._release is not None:
+            self._release.cancel()
+        if self._door is not None:
+            await self._door.close()
+            self._door = None
 
     async def __aenter__(self) -> Viewer:
         return self
@@ -216,7 +159,6 @@ class Viewer:
         for browser in self._browsers:
             browser.say({"type": "episode", "episode": self._episodes[-1]})
         if self.controls is not None:
-            self.controls.episode_over(episode)
             self._tell_controls()
 
     def playback(self, status: Mapping[str, Any]) -> None:
@@ -249,16 +191,14 @@ class Viewer:
         """Refuse foreign names and those without token or session; the rest gets the security headers."""
         name = request.headers.get("Host", "").rpartition(":")[0]
         if name not in LOOPBACK_NAMES:
-            return web.Response(
-                status=403, text="This page answers only to localhost and 127.0.0.1.\n", headers=_HEADERS
-            )
+            return web.Response(status=403, text=_FOREIGN, headers=HEADERS)
         if request.method != "GET":
-            return web.Response(status=405, text="Only GET.\n", headers=_HEADERS)
+            return web.Response(status=405, text="Only GET.\n", headers=HEADERS)
         if self._session(request) is None and not (request.path == "/" and self._has_token(request)):
-            return web.Response(status=403, text=_NO_TOKEN, headers=_HEADERS)
+            return web.Response(status=403, text=_NO_TOKEN, headers=HEADERS)
         response: web.StreamResponse = await handler(request)
         if not response.prepared:
-            response.headers.update(_HEADERS)
+            response.headers.update(HEADERS)
         return response
 
     def _session(self, request: web.Request) -> str | None:
@@ -293,12 +233,10 @@ class Viewer:
         if request.headers.get("Origin") != f"http://{request.headers['Host']}":
             return web.Response(status=403, text="Only the viewer's own page may connect.\n")
         session = self._session(request)
-        if self._player is None:
-            self._player = session
-        role = PLAYER if session == self._player else WATCHER
+        assert session is not None  # the guard lets nobody in without
         socket = web.WebSocketResponse(heartbeat=HEARTBEAT, max_msg_size=MAX_MESSAGE)
         await socket.prepare(request)
-        browser = _Browser(socket, role)
+        browser = Browser(socket, session)
         self._greet(browser)
         sender = asyncio.create_task(browser.send())
         try:
@@ -306,46 +244,77 @@ class Viewer:
                 if message.type is WSMsgType.TEXT:
                     self._hear(browser, message.data)
         finally:
-            self._browsers.discard(browser)
-            if role == PLAYER:
-                self._count_players(-1)
+            self._leave(browser)
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError, ConnectionError):
                 await sender
         return socket
 
-    def _greet(self, browser: _Browser) -> None:
+    def _greet(self, browser: Browser) -> None:
         """Tell a new page what the others know, then count it among them."""
-        browser.say({"type": "hello", "role": browser.role, "demonstrate": self.controls is not None})
+        self._seat.enter(browser)
+        browser.say({"type": "hello", "role": self._seat.role(browser), "demonstrate": self.controls is not None})
         browser.say({"type": "episodes", "episodes": self._episodes})
         if self.controls is not None:
             self._told["demonstration"] = {"type": "demonstration", **self.controls.status()}
-        for kind in ("setup", "notice", "demonstration", "playback", "frame"):
+        for kind in ("setup", "notice", "demonstration", "playback", "frame", "farewell"):
             if kind in self._told:
                 browser.say(self._told[kind])
         self._browsers.add(browser)
-        if browser.role == PLAYER:
-            self._count_players(1)
+        self._seat_changed()
 
-    def _count_players(self, change: int) -> None:
-        """Let the demonstration know whether anybody is there to play."""
-        self._players += change
+    def _leave(self, browser: Browser) -> None:
+        self._browsers.discard(browser)
+        self._seat.leave(browser)
+        self._seat_changed()
+
+    def _seat_changed(self) -> None:
+        """Tell the pages who plays, and the demonstration whether anybody is there and looks."""
+        seat = self._seat
+        for browser in self._browsers:
+            browser.show("seat", {"type": "seat", "role": seat.role(browser), "state": seat.state})
+        if self._release is not None:
+            self._release.cancel()
+            self._release = None
+        if seat.owner is not None and not seat.occupied:
+            self._release = asyncio.get_running_loop().call_later(SEAT_KEPT, self._give_up_seat)
         if self.controls is not None:
-            self.controls.person(self._players > 0)
+            self.controls.person(seat.occupied)
+            self.controls.look(seat.looking)
+            self._tell_controls()
+
+    def _give_up_seat(self) -> None:
+        if self._seat.give_up():
+            self._seat_changed()
 
     # -- what people ask for ------------------------------------------------------------------------------------------
-    def _hear(self, browser: _Browser, text: str) -> None:
+    def _hear(self, browser: Browser, text: str) -> None:
         """Take a message of a page; what is malformed, or not for that browser to ask, changes nothing."""
         try:
             message = json.loads(text)
         except (ValueError, RecursionError):
             message = None
         if not isinstance(message, dict):
-            browser.say({"type": "refused", "text": "expected a JSON object"})
-        elif browser.role != PLAYER:
-            browser.say({"type": "refused", "text": "another browser plays; this one can only watch"})
-        elif not self._obey(message):
-            browser.say({"type": "refused", "text": f"cannot do {text[:200]}"})
+            refusal: str | None = "expected a JSON object"
+        elif message.get("type") in ("look", "seat"):
+            refusal = self._attend(browser, message)
+        elif self._seat.role(browser) != PLAYER:
+            refusal = "another browser plays; this one can only watch"
+        else:
+            refusal = None if self._obey(message) else self._refusal(message)
+        if refusal is not None:
+            browser.say({"type": "refused", "text": refusal})
+
+    def _attend(self, browser: Browser, message: dict[str, Any]) -> str | None:
+        """Note whether somebody looks at a page, or let it play; returns why not."""
+        if message["type"] == "look":
+            if not isinstance(message.get("value"), bool):
+                return "expected true or false"
+            browser.looking = message["value"]
+        elif not self._seat.take(browser.session):
+            return "another browser plays at the moment"
+        self._seat_changed()
+        return None
 
     def _obey(self, message: dict[str, Any]) -> bool:
         kind, value = message.get("type"), message.get("value")
@@ -363,6 +332,18 @@ class Viewer:
         self._tell_controls()
         return done
 
+    def _refusal(self, message: dict[str, Any]) -> str:
+        """Say for people why something was not done."""
+        kind, value = message.get("type"), message.get("value")
+        if kind == "press" and self.controls is not None:
+            passes = " and ".join(str(a) for a in self.controls.keys.actions if a)
+            return f"there is no such pass here: 0 holds the ball, {passes} passes it"
+        if kind == "mate":
+            return "no pass goes there at the moment"
+        if (kind, value) == ("demonstration", "drop_last"):
+            return "there is no episode to drop"
+        return "that cannot be done now"
+
 
 def _number(value: Any) -> float:
     """Return a number of a message; 0 for what is none, or beyond all use."""
@@ -370,11 +351,12 @@ def _number(value: Any) -> float:
 
 
 def _episode(episode: Episode) -> dict[str, Any]:
-    return {**asdict(episode), "cycles": episode.cycles}
+    told = {name: value for name, value in asdict(episode).items() if name != "final"}  # pages show no state of its end
+    return {**told, "cycles": episode.cycles}
 
 
 async def serve(
-    source: Source, controls: Demonstration | None = None, *, port: int = 0, open_browser: bool = True
+    source: Source, controls: Demonstrator | None = None, *, port: int = 0, open_browser: bool = True
 ) -> Viewer:
     """Show a source on a local web page, and let the first browser play when there are controls.
 
@@ -382,7 +364,7 @@ async def serve(
     ----------
     source : Source
         `rcss_hat.viewer.live.MonitorSource` or `rcss_hat.viewer.playback.Playback`.
-    controls : Demonstration, optional
+    controls : Demonstrator, optional
         Who takes the keys; without it the page only watches.
     port : int
         TCP port on 127.0.0.1; 0: any that is free.

@@ -10,10 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TextIO
 
+from rcss_hat.keepaway.decision import action_name
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode
 from rcss_hat.viewer.audience import Source
-from rcss_hat.viewer.demonstration import Demonstration
-from rcss_hat.viewer.frames import CYCLE_S, Frame, Setup, action_name
+from rcss_hat.viewer.demonstrator import Demonstrator
+from rcss_hat.viewer.frames import CYCLE_S, Frame, Setup
 
 MARGIN = 1.5
 """Metres shown around the region."""
@@ -110,12 +111,12 @@ class Terminal:
     Parameters
     ----------
     source : Source
-    controls : Demonstration, optional
+    controls : Demonstrator, optional
     out : TextIO, optional
         By default standard output.
     """
 
-    def __init__(self, source: Source, controls: Demonstration | None = None, out: TextIO | None = None) -> None:
+    def __init__(self, source: Source, controls: Demonstrator | None = None, out: TextIO | None = None) -> None:
         self.source, self.controls = source, controls
         self.out = out or sys.stdout
         self.stopped = asyncio.Event()
@@ -146,8 +147,7 @@ class Terminal:
     def episode(self, episode: Episode) -> None:
         """Take one more episode."""
         self._episodes.append(episode)
-        if self.controls is not None:
-            self.controls.episode_over(episode)
+        self._changed.set()
 
     def playback(self, status: Mapping[str, Any]) -> None:
         """Take where we are."""
@@ -169,7 +169,10 @@ class Terminal:
             self._seek(key)
         self._changed.set()
 
-    def _demonstrate(self, controls: Demonstration, key: str) -> None:
+    def _demonstrate(self, controls: Demonstrator, key: str) -> None:
+        if controls.asking:
+            controls.command("here")
+            return
         commands = {"d": "drop", "l": "drop_last", "p": "resume" if controls.paused else "pause", "f": "stop"}
         if key.isdigit() or key == " ":
             controls.keys.press(int(key) if key.isdigit() else 0)
@@ -224,8 +227,10 @@ class Terminal:
             lines.append("q: leave")
         return [*lines, self._notice] if self._notice else lines
 
-    def _recording(self, controls: Demonstration, frame: Frame) -> list[str]:
+    def _recording(self, controls: Demonstrator, frame: Frame) -> list[str]:
         status = controls.status()
+        if status["asking"]:
+            return ["Is anybody there? Nothing was pressed for some episodes; the game waits for a key."]
         wanted = f" of {status['episodes']}" if status["episodes"] else ""
         text = f"{status['kept']}{wanted} recorded, {status['dropped']} dropped" if status["recording"] else "practice"
         if status["paused"]:

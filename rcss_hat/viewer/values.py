@@ -8,7 +8,7 @@ import numpy as np
 
 from rcss_hat.hat.brains import LEARNED
 from rcss_hat.hat.policy import TeamPolicy
-from rcss_hat.learning.sarsa import observe
+from rcss_hat.learning.sarsa import Learner, observe
 from rcss_hat.viewer.narrator import Values
 
 
@@ -23,8 +23,10 @@ def values_of(policy: TeamPolicy) -> Values | None:
         if not 1 <= keeper <= len(brains.weights):
             return None
         # On a copy of the learner's record: looking must not change what it remembers.
-        learner = brains.learners[keeper - 1 : keeper].copy()
-        observe(learner, brains.features, brains.table, brains.weights[keeper - 1], np.asarray(state, dtype=np.float64))
-        return [float(q) for q in learner["q"][0, :actions]]
+        k = keeper - 1
+        own = brains.records[k : k + 1].copy(), brains.streams[k], brains.features, brains.table
+        learner = Learner(*own, brains.weights[k], brains.traces[k])
+        observe(learner, np.asarray(state, dtype=np.float64))
+        return [float(q) for q in learner.record["q"][0, :actions]]
 
     return values

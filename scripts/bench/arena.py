@@ -18,7 +18,7 @@ import udp
 from rcss_hat.arena.match import ArenaMatch
 from rcss_hat.hat.policy import TeamPolicy, learners_policy, load_policy
 from rcss_hat.hat.transfer.learners import Learners
-from rcss_hat.hat.transfer.registry import make_method
+from rcss_hat.hat.transfer.making import make_method
 from rcss_hat.keepaway.task import Task
 from rcss_hat.learning.config import load_config
 

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from rcss_hat.experiments.episode_log import read_episode_log
 from rcss_hat.experiments.metrics import learning_curve
-from rcss_hat.experiments.training import RunConfig, TrainingRun
+from rcss_hat.experiments.run_folder import RunConfig
+from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.hat.transfer import make_method
 from rcss_hat.keepaway.task import Task
 from rcss_hat.learning.config import load_config

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rcss_hat.hat.transfer import METHODS, Learners, make_method
 from rcss_hat.hat.transfer.kernels import decide_first, decide_step, finish_episode
 from rcss_hat.learning import LearnerConfig, load_config
+from rcss_hat.learning.sarsa import Learner
 from rcss_hat.numeric.jit import njit
 
 DECISIONS_PER_EPISODE = 18
@@ -20,27 +21,17 @@ DECISIONS_IN_30_HOURS = 500_000
 
 
 @njit
-def run(
-    learner: NDArray[np.void],
-    rng: NDArray[np.uint64],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    method: NDArray[np.void],
-    states: NDArray[np.float64],
-    n: int,
-) -> None:
+def run(learner: Learner, method: NDArray[np.void], states: NDArray[np.float64], n: int) -> None:
     """Take n decisions while walking through the states, in episodes."""
     for k in range(n):
         state = states[k % states.shape[0]]
         advice = k % 3
         if k % DECISIONS_PER_EPISODE == 0:
             if k > 0:
-                finish_episode(learner, features, table, weights, traces, 18.0)
-            decide_first(learner, rng, features, table, weights, traces, method, state, advice, 1.0)
+                finish_episode(learner, 18.0)
+            decide_first(learner, method, state, advice, 1.0)
         else:
-            decide_step(learner, rng, features, table, weights, traces, method, 3.0, state, advice, 1.0)
+            decide_step(learner, method, 3.0, state, advice, 1.0)
 
 
 def walk(n_variables: int, steps: int) -> NDArray[np.float64]:
@@ -58,16 +49,7 @@ def measure(config: LearnerConfig, method: str, keepers: int, takers: int, n: in
     """Decisions per second: in a compiled loop, and called one by one from Python."""
     team = Learners.create(config, make_method(method), keepers, takers)
     states = walk(team.approximator.n_variables, 2000)
-    arrays = (
-        team.records[:1],
-        team.streams[0],
-        team.approximator.record,
-        team.approximator.table,
-        team.weights[0],
-        team.traces[0],
-        team.method_record,
-        states,
-    )
+    arrays = team.learner(0), team.method_record, states
     run(*arrays, 10)
     begin = time.perf_counter()
     run(*arrays, n)

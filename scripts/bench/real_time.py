@@ -22,9 +22,10 @@ from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.task import Task
 from rcss_hat.protocol.records import COUNT_DASH, COUNT_KICK, COUNT_TURN, SENSE_BODY, empty
 from rcss_hat.protocol.sense_body import parse_sense_body
-from rcss_hat.team.client import PlayerClient
-from rcss_hat.team.match import Match
-from rcss_hat.team.servers import ServerProcess, find_executable
+from rcss_hat.stage.client import PlayerClient
+from rcss_hat.stage.crew import LocalCrew
+from rcss_hat.stage.match import Match
+from rcss_hat.stage.servers import ServerProcess, find_executable
 
 TASK = Task()
 _BODY = re.compile(rb"\((kick|dash|turn) ")
@@ -86,9 +87,10 @@ def play(executable: str | None, synch: bool, episodes: int, seed: int, played: 
     async def run() -> tuple[Match, list[Watched], list[float]]:
         async with ServerProcess(TASK, seed, executable, synch_mode=synch) as server:
             await server.answers(300.0)
-            match = Match(TASK, server.host, server.port, seed, policy, True, episodes)
+            crew = LocalCrew(TASK, server.host, server.port, seed, policy)
+            match = Match(TASK, (server.host, server.port), seed, None, True, episodes, crew=crew)
             await match.connect()
-            watched = [Watched(client) for client in match.clients]
+            watched = [Watched(client) for client in crew.clients]
             await match.play(kick_off=True, server=server)
             durations = [episode.cycles / 10.0 for episode in server.episodes()[:episodes]]
         server.clean()
@@ -97,7 +99,7 @@ def play(executable: str | None, synch: bool, episodes: int, seed: int, played: 
     match, watched, durations = asyncio.run(run())
     played.durations += durations
     played.means.append(float(np.mean(durations)))
-    played.asked += len(match.players) * match.cycles
+    played.asked += len(match.crew.seats) * match.cycles
     played.missed += match.missed
     played.sent += sum(player.sent for player in watched)
     played.accepted += sum(player.accepted for player in watched if player.sent)

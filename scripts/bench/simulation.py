@@ -13,104 +13,110 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from fake_server.simulation import body, clock, commands, cycle, hearing, keepaway, vision
-from fake_server.simulation.player_types import player_types
-from fake_server.simulation.state import connect, index, new_match, streams
 from rcss_hat.numeric.jit import kernel
 from rcss_hat.protocol.landmarks import N_LANDMARKS
 from rcss_hat.protocol.params import ServerParams
 from rcss_hat.protocol.records import HEARD, LEFT, RIGHT, SEE, SENSE_BODY, empty
+from rcss_hat.simulation import body, clock, commands, cycle, hearing, keepaway, vision
+from rcss_hat.simulation.player_types import player_types
+from rcss_hat.simulation.state import connect, index, new_match, streams
+from rcss_hat.simulation.world import World
 
 ROUNDS = 60
 CYCLES = 4000
 LETTERS = np.frombuffer(b"0123456789", dtype=np.uint8).copy()
 
 Record = NDArray[np.void]
-Words = NDArray[np.uint64]
 Bytes = NDArray[np.uint8]
 
 
 @kernel
-def act(match: Record, params: Record, types: Record, i: int, c: int, rng: Words) -> None:
+def act(world: World, i: int, c: int) -> None:
     if c % 4 == 0:
-        commands.turn(match, params, types, i, 50.0, rng)
+        commands.turn(world, i, 50.0)
     else:
-        commands.dash(match, params, types, i, 80.0, 0.0)
-    commands.turn_neck(match, params, i, 5.0)
+        commands.dash(world, i, 80.0, 0.0)
+    commands.turn_neck(world.match, world.params, i, 5.0)
 
 
 @kernel
-def step_idle(match: Record, params: Record, types: Record, random: Words, n: int) -> None:
+def step(world: World) -> None:
+    cycle.play(world)
+    cycle.judge(world)
+
+
+@kernel
+def step_idle(world: World, n: int) -> None:
     for _ in range(n):
-        cycle.step(match, params, types, random)
+        step(world)
 
 
 @kernel
-def step_busy(match: Record, params: Record, types: Record, random: Words, n: int) -> None:
+def step_busy(world: World, n: int) -> None:
     for c in range(n):
-        for k in range(match["n_players"][0]):
-            act(match, params, types, match["players"][0, k], c, random[0])
+        for k in range(world.match["n_players"][0]):
+            act(world, world.match["players"][0, k], c)
         if c % 10 == 0:
-            match["ball_vel"][0, 0] = 1.0
-        cycle.step(match, params, types, random)
+            world.match["ball_vel"][0, 0] = 1.0
+        step(world)
 
 
 @kernel
-def look(match: Record, params: Record, types: Record, random: Words, wanted: Bytes, out: Record, n: int) -> None:
+def look(world: World, landmarks: Bytes, out: Record, n: int) -> None:
     for c in range(n):
-        vision.see(match, params, types, match["players"][0, c % match["n_players"][0]], random, wanted, out)
+        vision.see(world, world.match["players"][0, c % world.match["n_players"][0]], landmarks, False, out)
 
 
 @kernel
-def sense(match: Record, params: Record, types: Record, out: Record, n: int) -> None:
+def sense(world: World, out: Record, n: int) -> None:
     for c in range(n):
-        body.sense_body(match, params, types, match["players"][0, c % match["n_players"][0]], out)
+        body.sense_body(world, world.match["players"][0, c % world.match["n_players"][0]], out)
 
 
 @kernel
-def talk(match: Record, params: Record, random: Words, letters: Bytes, out: Record, n: int) -> None:
+def talk(world: World, letters: Bytes, out: Record, n: int) -> None:
     for _ in range(n):
-        for k in range(match["n_players"][0]):
-            i = match["players"][0, k]
-            match["hear_own"][0, i] = match["hear_other"][0, i] = 1.0
-            commands.say(match, params, i, letters, 10)
-        hearing.pass_on_messages(match)
-        for k in range(match["n_players"][0]):
-            hearing.hear_teammate(match, params, match["players"][0, k], random, out)
+        for k in range(world.match["n_players"][0]):
+            i = world.match["players"][0, k]
+            world.match["hear_own"][0, i] = world.match["hear_other"][0, i] = 1.0
+            commands.say(world.match, world.params, i, letters, 10)
+        hearing.pass_on_messages(world.match)
+        for k in range(world.match["n_players"][0]):
+            hearing.hear_teammate(world, world.match["players"][0, k], out)
 
 
 @kernel
-def tell_time(match: Record, params: Record, due: Bytes, n: int) -> None:
+def tell_time(world: World, due: Bytes, n: int) -> None:
     for _ in range(n):
-        clock.sees_before_think(match, params, due)
-        clock.sees_after_think(match, params, due)
+        clock.sees_before_think(world.match, world.params, due)
+        clock.sees_after_think(world.match, world.params, due)
 
 
 @kernel
 def whole(
-    match: Record, params: Record, types: Record, random: Words, wanted: Bytes, letters: Bytes, due: Bytes,
+    world: World, landmarks: Bytes, letters: Bytes, due: Bytes,
     see_out: Record, sense_out: Record, heard_out: Record, n: int,
 ) -> None:  # fmt: skip
     for c in range(n):
-        cycle.step(match, params, types, random)
-        for k in range(match["n_players"][0]):
-            i = match["players"][0, k]
-            body.sense_body(match, params, types, i, sense_out)
-            hearing.hear_teammate(match, params, i, random, heard_out)
-        clock.sees_before_think(match, params, due)
-        for k in range(match["n_players"][0]):
-            i = match["players"][0, k]
+        step(world)
+        for k in range(world.match["n_players"][0]):
+            i = world.match["players"][0, k]
+            body.sense_body(world, i, sense_out)
+            hearing.hear_teammate(world, i, heard_out)
+        clock.sees_before_think(world.match, world.params, due)
+        for k in range(world.match["n_players"][0]):
+            i = world.match["players"][0, k]
             for _ in range(due[i]):
-                vision.see(match, params, types, i, random, wanted, see_out)
-        for k in range(match["n_players"][0]):
-            i = match["players"][0, k]
-            act(match, params, types, i, c, random[0])
-            commands.say(match, params, i, letters, 10)
-        clock.sees_after_think(match, params, due)
-        for k in range(match["n_players"][0]):
-            i = match["players"][0, k]
+                vision.see(world, i, landmarks, False, see_out)
+        for k in range(world.match["n_players"][0]):
+            i = world.match["players"][0, k]
+            act(world, i, c)
+            commands.say(world.match, world.params, i, letters, 10)
+        clock.sees_after_think(world.match, world.params, due)
+        for k in range(world.match["n_players"][0]):
+            i = world.match["players"][0, k]
             for _ in range(due[i]):
-                vision.see(match, params, types, i, random, wanted, see_out)
+                vision.see(world, i, landmarks, False, see_out)
 
 
 def nanoseconds(run: Callable[[int], None]) -> float:
@@ -134,29 +140,27 @@ def main() -> None:
         keepaway=1, half_time=-1, use_offside=0, forbid_kick_off_offside=0, stamina_inc_max=3500.0,
         visible_angle=options.visible_angle, synch_mode=1, synch_offset=80,
     )  # fmt: skip
-    params, types, random = server.record(), player_types(server, 1), streams(1)
-    match = new_match(params)
+    params = server.record()
+    world = World(new_match(params), params, player_types(server, 1), streams(1))
     for side, unum in ((LEFT, 1), (LEFT, 2), (LEFT, 3), (RIGHT, 1), (RIGHT, 2)):
-        connect(match, params, index(side, unum), 12, False)
-    keepaway.kick_off(match, params, random)
+        connect(world.match, params, index(side, unum), 12, False)
+    keepaway.kick_off(world)
     due, see_out, sense_out, heard_out = np.zeros(22, np.uint8), empty(SEE), empty(SENSE_BODY), empty(HEARD)
 
     def wanted(n: int) -> Bytes:
-        chosen = np.zeros(N_LANDMARKS, dtype=np.uint8)
-        chosen[np.linspace(0, N_LANDMARKS - 1, n).astype(int)] = 1
-        return chosen
+        return np.linspace(0, N_LANDMARKS - 1, n).astype(np.uint8)
 
     some = wanted(options.landmarks)
     sees = 10.0 / 3.0
     parts: list[tuple[str, float, Callable[[int], None]]] = [
-        ("step, nobody moves", 0.0, lambda n: step_idle(match, params, types, random, n)),
-        ("commands and step", 1.0, lambda n: step_busy(match, params, types, random, n)),
-        ("sense_body, one player", 5.0, lambda n: sense(match, params, types, sense_out, n)),
-        ("say and hear, all", 1.0, lambda n: talk(match, params, random, LETTERS, heard_out, n)),
-        ("clock", 1.0, lambda n: tell_time(match, params, due, n)),
-        ("see, no landmarks", 0.0, lambda n: look(match, params, types, random, wanted(0), see_out, n)),
-        (f"see, {options.landmarks} landmarks", sees, lambda n: look(match, params, types, random, some, see_out, n)),
-        ("see, all landmarks", 0.0, lambda n: look(match, params, types, random, wanted(55), see_out, n)),
+        ("step, nobody moves", 0.0, lambda n: step_idle(world, n)),
+        ("commands and step", 1.0, lambda n: step_busy(world, n)),
+        ("sense_body, one player", 5.0, lambda n: sense(world, sense_out, n)),
+        ("say and hear, all", 1.0, lambda n: talk(world, LETTERS, heard_out, n)),
+        ("clock", 1.0, lambda n: tell_time(world, due, n)),
+        ("see, no landmarks", 0.0, lambda n: look(world, wanted(0), see_out, n)),
+        (f"see, {options.landmarks} landmarks", sees, lambda n: look(world, some, see_out, n)),
+        ("see, all landmarks", 0.0, lambda n: look(world, wanted(55), see_out, n)),
     ]
     total = 0.0
     print(f"{'':28}{'ns':>8}{'times/cycle':>13}{'ns/cycle':>10}")
@@ -168,7 +172,7 @@ def main() -> None:
     print(f"{'sum':28}{'':21}{total:10.0f}")
     cost = nanoseconds(
         lambda n: whole(
-            match, params, types, random, some, LETTERS, due, see_out, sense_out, heard_out, n
+            world, some, LETTERS, due, see_out, sense_out, heard_out, n
         )
     )  # fmt: skip
     print(f"{'whole cycle':28}{cost:8.0f} ns   {1e9 / cost:,.0f} cycles/s")

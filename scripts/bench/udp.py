@@ -20,8 +20,8 @@ from pathlib import Path
 from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.report import RunReport
 from rcss_hat.keepaway.task import Task
-from rcss_hat.team.match import play
-from rcss_hat.team.servers import ServerProcess, find_executable
+from rcss_hat.stage.match import Match, play_match
+from rcss_hat.stage.servers import ServerProcess, find_executable
 
 TASK = Task()
 
@@ -31,7 +31,7 @@ def ours(executable: str | None, episodes: int) -> RunReport:
     policy.warm_up()
     report = RunReport("real" if executable else "fake", "hand", "hand", TASK.size, TASK.field, TASK.vision, 1)
     server = ServerProcess(TASK, 1, executable)
-    asyncio.run(play(report, TASK, 1, policy, episodes, server, None))
+    asyncio.run(play_match(report, Match(TASK, (server.host, server.port), 1, policy, True, episodes), server))
     server.clean()
     if report.failure:
         raise SystemExit(report.failure)

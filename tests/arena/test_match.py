@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import re
 from itertools import pairwise
 from typing import Any
 
@@ -8,14 +9,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rcss_hat.arena.match import ArenaMatch, play
+from rcss_hat.arena.bounds import AGENT_BOUNDS, CONTROL_BOUNDS, MATCH_BOUNDS, SEE_BOUNDS
+from rcss_hat.arena.match import ArenaMatch
 from rcss_hat.hat.policy import learners_policy, load_policy
 from rcss_hat.hat.transfer.learners import Learners
-from rcss_hat.hat.transfer.registry import make_method
+from rcss_hat.hat.transfer.making import make_method
+from rcss_hat.keepaway.decision import legal_action
 from rcss_hat.keepaway.policies import hand
-from rcss_hat.keepaway.report import Episode, RunReport
+from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
 from rcss_hat.learning.config import LearnerConfig
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.stage.stages import Part, open_stage
 
 COMPILED = os.environ.get("NUMBA_DISABLE_JIT", "0") == "0"
 EPISODES = 40 if COMPILED else 1
@@ -69,6 +74,54 @@ def test_an_illegal_action_says_what_is_legal() -> None:
         episodes(make(external=lambda state, info: 3), 1)
 
 
+@pytest.mark.parametrize(
+    "answer", [1.7, None, np.nan, np.inf, "1", np.array([True, False]), np.array([1]), np.array(True), -1, 10**400]
+)
+def test_what_is_no_action_is_refused_like_an_illegal_one(answer: object) -> None:
+    with pytest.raises(ValueError, match=r"the policy returned .*; legal are 0 \(Hold\) to 2"):
+        episodes(make(external=lambda state, info: answer), 1)
+
+
+@pytest.mark.parametrize("answer", [2, 2.0, np.int8(2), np.float32(2.0), np.array(2)])
+def test_whole_numbers_of_every_type_are_actions(answer: object) -> None:
+    assert legal_action(answer, 3) == 2
+
+
+def test_every_field_of_the_saved_records_has_bounds() -> None:
+    tables = {"match": MATCH_BOUNDS, "agents": AGENT_BOUNDS, "sees": SEE_BOUNDS, "control": CONTROL_BOUNDS}
+    for name, bounds in tables.items():
+        assert set(bounds) == set(make().arrays()[name].dtype.names), name
+
+
+@pytest.mark.parametrize(
+    ("name", "field", "value", "message"),
+    [
+        ("match", "n_players", 23, "'match': 'n_players' is not that of these settings"),
+        ("match", "n_said", 61, "'match': 'n_said' is 61; it must be 0 to 60"),
+        ("match", "ball_pos", np.nan, "'match': 'ball_pos' is nan"),
+        ("match", "time", 2**31 - 1, "'match': 'time' is 2147483647"),
+        ("agents", "fast_own", 22, "'agents': 'fast_own' is 22"),
+        ("agents", "player_time", 1, "age of 'player_time' is"),
+        ("agents", "ball_seen", 10**6, "'agents': 'ball_seen' is 1000000"),
+        ("sees", "n", 97, "'sees': 'n' is 97; it must be 0 to 96"),
+        ("control", "decided", 64, "'control': 'decided' is 64"),
+        ("control", "phase", 7, "'control': 'phase' is not that of these settings"),
+        ("streams", None, 0, "a random stream of zeros"),
+    ],
+)
+def test_a_saved_match_with_wrong_numbers_is_refused(name: str, field: str | None, value: float, message: str) -> None:
+    match = make()
+    list(match.advance(cycles=300))
+    saved = {key: array.copy() for key, array in match.arrays().items()}
+    make().restore(saved)
+    if field is None:
+        saved[name][0] = value
+    else:
+        saved[name][field] = value
+    with pytest.raises(ValueError, match=re.escape(message)):
+        make().restore(saved)
+
+
 def test_decisions_are_those_of_the_policy() -> None:
     match = make(log_decisions=True)
     episodes(match, min(EPISODES, 5))
@@ -120,6 +173,30 @@ def test_means_are_those_of_the_original_players() -> None:
     if not COMPILED:
         pytest.skip("hundreds of episodes need the compiled loop")
     for policy, mean in (("hold", 2.95), ("random", 5.26), ("hand", 10.94)):
-        report = RunReport("arena", policy, "hand", "3v2", "20x20", 360)
-        play(report, Task(), 11, load_policy(policy, 3, 2, 11), 600)
+        with open_stage(Place(ARENA), Task(), 11, load_policy(policy, 3, 2, 11)) as stage:
+            report = stage.play(Part(600))
         assert abs(np.mean(report.durations_s) - mean) < 0.1 * mean
+
+
+def test_a_policy_for_another_size_is_refused() -> None:
+    with pytest.raises(ValueError, match="the policy is for 4v3, the task is 3v2"):
+        ArenaMatch(Task(), 1, load_policy("hand", 4, 3, 1))
+
+
+def test_decisions_and_frames_that_nobody_takes_are_kept() -> None:
+    cycles = 400 if COMPILED else 20
+    taken, kept = (make("hold", log_decisions=True, log_frames=True) for _ in range(2))
+    room = 8
+    for match in (taken, kept):
+        logs = match.logs
+        small = {name: getattr(logs, name)[:room] for name in ("decisions", "states", "frames")}
+        match.logs = logs._replace(**small)
+    rows, frames = [], []
+    for _ in taken.advance(cycles=cycles):
+        rows.append(taken.take_decisions())
+        frames.append(taken.take_frames())
+    ended = [episode for part in kept.advance(cycles=cycles) for episode in part]
+    assert len(frames) > 1  # the logs were full, and taken, several times
+    assert np.array_equal(np.concatenate(frames), kept.take_frames())
+    assert np.array_equal(np.concatenate(rows), kept.take_decisions())
+    assert not COMPILED or ended

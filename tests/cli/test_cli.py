@@ -11,11 +11,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from fake_server.options import parse_options
-from fake_server.server import running_server
+from fake_server.running import running_server
 from rcss_hat.cli.main import COMMANDS, cli
 from rcss_hat.keepaway.report import read_kwy
 from rcss_hat.keepaway.task import Task
-from rcss_hat.team.options import REFEREED_BY_TRAINER, server_options
+from rcss_hat.stage.options import REFEREED_BY_TRAINER, server_options
 
 pytestmark = pytest.mark.compiled
 
@@ -52,6 +52,47 @@ def test_play_in_the_arena_prints_one_json_object(tmp_path: Path) -> None:
     assert summary["out"] + summary["taken"] == 5
     assert [e.cycles for e in read_kwy(kwy)] == [e.cycles for e in read_kwy(kwy)]
     assert len(read_kwy(kwy)) == 5
+
+
+def test_a_policy_of_a_file_plays_and_its_faults_are_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    strangers = Path("strangers.py")  # a line for people is not longer than 200 characters
+    strangers.write_text(
+        "def near(state, info):\n    return int(state[3] < 4.0)\ndef none(state, info):\n    return {}[0]\n"
+    )
+    play = ("play", "--on", "arena", "--episodes", "3", "--seed", "3", "--keepers")
+    result = invoke(*play, f"{strangers}:near", "--json")
+    assert result.exit_code == 0, result.output
+    assert json.loads(result.stdout)["keepers"] == f"{strangers}:near"
+    many = invoke(*play, f"{strangers}:near", "--matches", "2", "--json")
+    assert json.loads(many.stdout)["episodes"] == 6
+    result = invoke(*play, f"{strangers}:none")
+    assert result.exit_code == 1
+    assert "ended early: the policy strangers.py:none failed: KeyError: 0 (" in result.output
+    assert "strangers.py, line 4)" in result.output
+    result = invoke(*play, f"{strangers}:nothing")
+    assert result.exit_code == 2 and "has no 'nothing'; it has near, none" in result.output
+
+
+def test_takers_of_a_file_play_the_same_game_everywhere(tmp_path: Path) -> None:
+    strangers = tmp_path / "takers.py"
+    strangers.write_text(
+        "def chase(state, info):\n    return 1 if info['taker'] == 1 else 2\ndef wild(state, info):\n    return 4\n"
+    )
+    play = ("play", "--keepers", "random", "--episodes", "3", "--seed", "3")
+    logs = []
+    for place, takers in (("arena", "chase"), ("fake", "chase"), ("arena", "hand")):
+        kwy = tmp_path / f"{place}-{takers}.kwy"
+        spec = takers if takers == "hand" else f"{strangers}:{takers}"
+        result = invoke(*play, "--on", place, "--takers", spec, "--kwy", str(kwy), "--json")
+        assert result.exit_code == 0, result.output
+        assert json.loads(result.stdout)["takers"] == spec
+        logs.append([(e.start, e.end, e.reason) for e in read_kwy(kwy)])
+    assert logs[0] == logs[1] != logs[2]
+    result = invoke(*play, "--on", "arena", "--takers", f"{strangers}:wild")
+    assert result.exit_code == 1 and "returned action 4; legal are a taker's 0 (hand-coded), 1" in result.output
+    result = invoke(*play, "--on", "arena", "--takers", "rules.json")
+    assert result.exit_code == 2 and "'rules.json' is no policy of takers; there is hand, and" in result.output
 
 
 def test_play_on_the_fake_server_is_the_same_game(tmp_path: Path) -> None:

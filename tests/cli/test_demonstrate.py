@@ -16,7 +16,7 @@ from click.testing import CliRunner
 
 from rcss_hat.cli.main import cli
 from rcss_hat.hat.demonstrations import DemonstrationSet
-from rcss_hat.team.servers import find_executable
+from rcss_hat.stage.servers import find_executable
 
 BY_HAND = ("demonstrate", "--browser", "--no-open", "--out", "x.csv")
 
@@ -104,7 +104,8 @@ async def test_a_person_demonstrates_on_a_fast_server(stage: str, tmp_path: Path
     url, address = await link(process)
     async with browser(url) as http:
         await frames(http, address)
-    assert await process.wait() == 0
+    assert process.stderr is not None
+    assert await process.wait() == 0, (await process.stderr.read()).decode()
     recorded = DemonstrationSet.load(out)
     assert len(recorded) == 2 and set(recorded.y) == {0}
     assert recorded.info.notes == "played 5 times as fast as real time"

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from rcss_hat.team.servers import free_ports
+from rcss_hat.stage.servers import free_ports
 
 COMMAND = [sys.executable, "-m", "rcss_hat"]
 

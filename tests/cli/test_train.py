@@ -15,12 +15,13 @@ import pytest
 from click.testing import CliRunner, Result
 
 from rcss_hat.cli.main import cli
-from rcss_hat.experiments.training import TrainingRun, read_config
+from rcss_hat.experiments.run_folder import read_config
+from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.hat.decision_list import PAPER_RULES
 from rcss_hat.hat.transfer import ValueBonus
 from rcss_hat.keepaway.task import Task
-from rcss_hat.team.options import server_options
-from rcss_hat.team.servers import free_ports
+from rcss_hat.stage.options import server_options
+from rcss_hat.stage.servers import free_ports
 
 
 def call(*arguments: object) -> Result:

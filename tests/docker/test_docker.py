@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -51,23 +52,61 @@ def test_compose_starts_the_players_with_commands_that_exist(service: str) -> No
     assert context.params["address"] == ("server", 6000)
 
 
+def services(name: str) -> dict[str, Any]:
+    content: dict[str, Any] = yaml.safe_load((DOCKER / name).read_text())
+    assert set(content) == {"services", "volumes"}, "older programs refuse name:, newer ones version:"
+    found: dict[str, Any] = content["services"]
+    return found
+
+
 def test_compose_waits_for_a_server_that_answers() -> None:
-    assert (DOCKER / "compose.yaml").read_text().count("condition: service_healthy") == 2
+    found = services("compose.yaml")
+    assert found["keepers"]["depends_on"] == {"server": {"condition": "service_healthy"}}
+    assert found["takers"]["depends_on"] == {"keepers": {"condition": "service_started"}}
     assert "HEALTHCHECK" in (DOCKER / "server.Dockerfile").read_text()
 
 
-@pytest.mark.parametrize("name", ["compose.yaml", "compose.host.yaml"])
-def test_the_log_folder_belongs_to_the_servers_user_before_it_starts(name: str) -> None:
-    services = yaml.safe_load((DOCKER / name).read_text())["services"]
-    logs, server = services["logs"], services["server"]
-    assert logs["entrypoint"] == ["chown", "1000", "/logs"] and logs["user"] == "0"
-    assert logs["volumes"] == server["volumes"] == ["./logs:/logs"]
-    assert server["depends_on"]["logs"]["condition"] == "service_completed_successfully"
+def test_no_service_has_to_end_before_another_begins() -> None:
+    """Not every compose program can wait for that."""
+    for name in ("compose.yaml", "compose.host.yaml"):
+        assert "service_completed_successfully" not in (DOCKER / name).read_text()
+
+
+def test_the_log_folder_belongs_to_the_servers_user() -> None:
+    """A new named volume takes the owner of the image's folder, which a folder of the host does not."""
+    assert "chown --recursive rcss:rcss /home/rcss /logs" in (DOCKER / "server.Dockerfile").read_text()
+    for name in ("compose.yaml", "compose.host.yaml"):
+        assert services(name)["server"]["volumes"] == ["logs:/logs"]
+
+
+def test_the_players_image_is_built_once() -> None:
+    found = services("compose.yaml")
+    assert found["keepers"]["image"] == found["takers"]["image"]
+    assert "build" in found["keepers"] and "build" not in found["takers"]
+    assert found["takers"]["pull_policy"] == "never"
+
+
+def test_the_match_of_compose_has_an_end() -> None:
+    """The keepers end it for everybody; takers count for themselves, and the server exits when it is over."""
+    found = services("compose.yaml")
+    for team in ("keepers", "takers"):
+        command = found[team]["command"]
+        assert command[command.index("--episodes") + 1] == "100"
+    assert "--end-match" in found["keepers"]["command"]
+    assert {
+        "server::coach_w_referee=1", "server::auto_mode=1", "server::nr_extra_halfs=0", "server::game_over_wait=1"
+    } <= set(server_command())  # fmt: skip
+
+
+def test_the_kernels_are_compiled_for_whoever_runs_the_image() -> None:
+    lines = (DOCKER / "players.Dockerfile").read_text().splitlines()
+    assert lines.index(" && rcss-hat compile --for-all") < lines.index("USER 1000")
+    assert not any("RCSS_HAT_CACHE" in line for line in lines)
 
 
 def test_what_the_players_image_copies_is_not_ignored() -> None:
     """All else is: a virtual environment or results would make the build context large."""
-    ignored = (DOCKER / "players.Dockerfile.dockerignore").read_text().splitlines()
+    ignored = (DOCKER.parent / ".dockerignore").read_text().splitlines()
     lines = (DOCKER / "players.Dockerfile").read_text().splitlines()
     copied = [name for line in lines if line.startswith("COPY ") for name in line.split()[1:-1]]
     assert ignored[0] == "*" and len(copied) == 6

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +36,24 @@ def test_blocks_become_markdown_html_and_files(tmp_path: Path) -> None:
     assert len(ids) == len(set(ids)) > 10
     assert (tmp_path / "tables" / "numbers.csv").read_text() == "Name,Value\na|b,1\nc,2\n"
     assert {p.name for p in (tmp_path / "figures").iterdir()} == {"one.png", "one.svg", "two.png", "two.svg"}
+
+
+def test_texts_of_a_study_are_texts_in_the_page(tmp_path: Path) -> None:
+    hostile = "<script>alert('$x^$')</script> & \"**<b>**\" `<i>`"
+    curves = {hostile: Curves(np.array([1.0, 2.0]), np.array([[5.0, 6.0], [5.5, 6.5]]))}
+    document = Document(hostile)
+    document.add(
+        Heading(hostile, 3),
+        Paragraph(hostile),
+        TableBlock(pd.DataFrame({hostile: [hostile]}), prose=True),
+        FigureBlock(learning_curve_figure(curves, {hostile: 5.0}, hostile), "one", hostile),
+        Code(hostile),
+    )
+    _, page = document.save(tmp_path)
+    html = page.read_text()
+    assert not {"<script", "<b>", "<i>"} & set(re.findall(r"<\w+>?", html))
+    assert html.count("&lt;script&gt;") >= 8 and html.count("<strong>&lt;b&gt;</strong>") == 6
+    ET.fromstring(html.replace("<!doctype html>", "").replace('<meta charset="utf-8">', "").replace('1">', '1"/>', 1))
 
 
 def sets(n: int) -> pd.DataFrame:

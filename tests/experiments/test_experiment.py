@@ -17,10 +17,12 @@ from click.testing import CliRunner
 from rcss_hat.cli.main import cli
 from rcss_hat.experiments.execution import ClusterError, run_locally, run_on_cluster
 from rcss_hat.experiments.experiment import Experiment, ExperimentError
-from rcss_hat.experiments.reporting import make_document, result_table, tables_of, write_report
+from rcss_hat.experiments.report_tables import result_table, tables_of
+from rcss_hat.experiments.reporting import make_document, write_report
 from rcss_hat.experiments.results import Results
+from rcss_hat.experiments.run_folder import TrainingError
 from rcss_hat.experiments.study import StudyError
-from rcss_hat.experiments.training import TrainingError, TrainingRun
+from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.experiments.trial import run_trial
 from rcss_hat.hat.decision_list import PAPER_RULES
 from rcss_hat.hat.demonstrations import DemonstrationSet
@@ -31,7 +33,7 @@ STUDY = Path(__file__).parent / "small.toml"
 def run(folder: Path, study: Path = STUDY, **changes: object) -> Experiment:
     experiment = Experiment.create(str(study), folder, **changes)  # type: ignore[arg-type]
     experiment.prepare_sets()
-    assert len(list(experiment.run(lambda jobs, folders: run_locally(jobs, folders, 1)))) >= 0
+    assert len(list(experiment.run(lambda work: run_locally(work, 1)))) >= 0
     return experiment
 
 
@@ -75,7 +77,7 @@ def test_a_finished_experiment_is_not_run_again_and_a_stopped_one_goes_on(finish
     copy = tmp_path / "copy"
     shutil.copytree(finished.folder, copy)
     again = Experiment.create(str(STUDY), copy)
-    assert again.missing() == [] and list(again.run(lambda jobs, folders: run_locally(jobs, folders, 1))) == []
+    assert list(again.missing()) == [] and list(again.run(lambda work: run_locally(work, 1))) == []
     lost = again.trial_folder("rounds", 1)
     before = (lost / "episodes.csv").read_bytes()
     shutil.rmtree(lost)
@@ -86,7 +88,7 @@ def test_a_finished_experiment_is_not_run_again_and_a_stopped_one_goes_on(finish
     config = again.study.conditions["rounds"].run_config(job["config"]["seed"])
     started = TrainingRun.create(lost, config, again.sets.prepare("best").rules)
     started.train(until=round(partly["rounds"][0]["hour"] * 36_000))
-    [result] = again.run(lambda jobs, folders: run_locally(jobs, folders, 1))
+    [result] = again.run(lambda work: run_locally(work, 1))
     assert result["condition"] == "rounds" and (lost / "episodes.csv").read_bytes() == before
 
 
@@ -108,6 +110,27 @@ def test_other_settings_need_another_folder(finished: Experiment, tmp_path: Path
         Experiment.create(str(STUDY), tmp_path / "full")
     with pytest.raises(ExperimentError, match="not the folder of an experiment"):
         Experiment.open(tmp_path / "full")
+
+
+def test_damaged_files_of_an_experiment_are_named(finished: Experiment, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(finished.folder, copy)
+    damages = ("", "{", "[]", "{}", "[" * 5000, "\xe9".encode("latin-1"))
+    for path in (copy / "sets" / "A.figures.json", copy / "trials" / "replay" / "00" / "result.json"):
+        before = path.read_bytes()
+        for damage in damages:
+            path.write_bytes(damage if isinstance(damage, bytes) else damage.encode())
+            with pytest.raises(ExperimentError, match=f"{path.name} is damaged: .*; delete it"):
+                Experiment.create(str(STUDY), copy)
+        path.write_bytes(before)
+    info = json.loads((copy / "experiment.json").read_text())
+    for change in ({"trials": 10**9}, {"hours": "long"}, {"only": 3}, {"base": None}, {"machine": []}):
+        (copy / "experiment.json").write_text(json.dumps({**info, **change}))
+        with pytest.raises(ExperimentError, match=rf"experiment.json: {next(iter(change))}"):
+            Experiment.open(copy)
+    (copy / "experiment.json").write_text("[" * 5000)
+    with pytest.raises(ExperimentError, match=r"experiment.json is not valid"):
+        Experiment.open(copy)
 
 
 def test_more_trials_are_added_to_what_is_there(finished: Experiment, tmp_path: Path) -> None:
@@ -205,8 +228,8 @@ def cluster() -> Iterator[str]:
 def test_a_dask_cluster_of_processes_gives_the_same_numbers(finished: Experiment, cluster: str, tmp_path: Path) -> None:
     experiment = Experiment.create(str(STUDY), tmp_path / "dask", only=("no-prior", "rounds"))
     experiment.prepare_sets()
-    results = list(experiment.run(lambda jobs, folders: run_on_cluster(jobs, folders, cluster)))
-    assert len(results) == 4 and experiment.missing() == []
+    results = list(experiment.run(lambda work: run_on_cluster(work, cluster)))
+    assert len(results) == 4 and list(experiment.missing()) == []
     for name in ("no-prior", "rounds"):
         for trial in range(2):
             mine, theirs = (e.trial_folder(name, trial) for e in (finished, experiment))
@@ -221,7 +244,7 @@ def test_a_dask_cluster_that_is_not_there_is_named(finished: Experiment, tmp_pat
     pytest.importorskip("distributed")
     experiment = Experiment.create(str(STUDY), tmp_path / "none", trials=1, only=("no-prior",))
     with pytest.raises(ClusterError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
-        list(experiment.run(lambda jobs, folders: run_on_cluster(jobs, folders, "tcp://127.0.0.1:9")))
+        list(experiment.run(lambda work: run_on_cluster(work, "tcp://127.0.0.1:9")))
     assert threading.active_count() < 50
 
 
@@ -247,5 +270,13 @@ def test_the_command_runs_resumes_and_reports(tmp_path: Path) -> None:
 def test_the_command_says_what_is_wrong(tmp_path: Path) -> None:
     unknown = CliRunner().invoke(cli, ["experiment", "nothing", "--out", str(tmp_path / "x")])
     assert unknown.exit_code == 2 and "no study 'nothing'" in unknown.stderr
+    for text, message in (
+        ("[demonstrations.'../../evil']\nteacher = 'A'\nepisodes = 1", "'../../evil'"),
+        ("[[condition]]\nname = 'x'\ntrials = 1000000000", "trials must be at least 1 and at most 10,000"),
+        ("x = " + "[" * 5000, "nested more than"),
+    ):
+        (tmp_path / "study.toml").write_text(text)
+        wrong = CliRunner().invoke(cli, ["experiment", str(tmp_path / "study.toml"), "--out", str(tmp_path / "x")])
+        assert wrong.exit_code == 2 and message in wrong.stderr and not (tmp_path / "x").exists()
     empty = CliRunner().invoke(cli, ["report", str(tmp_path)])
     assert empty.exit_code == 1 and "not the folder of an experiment" in empty.stderr

@@ -123,10 +123,6 @@ def test_final_and_early_rewards() -> None:
     assert metrics.final_reward(log, window=500) == pytest.approx(20.0)
 
 
-def test_jumpstart() -> None:
-    assert metrics.jumpstart([4.0, 5.0], [5.0, 6.0, 7.0]) == -1.5
-
-
 def test_time_to_threshold() -> None:
     log = log_of([200, *[100] * 9, *[200] * 20])
     # Windows of 4: the first to reach 17.5 s has one episode of 10 s left. The first episode alone does not count.

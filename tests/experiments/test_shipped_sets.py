@@ -17,7 +17,8 @@ from hatchling.builders.wheel import WheelBuilder
 from rcss_hat.cli.main import cli
 from rcss_hat.experiments.demonstrating import demonstrate
 from rcss_hat.experiments.sets import SetStore, package_demonstrations
-from rcss_hat.experiments.study import StudyError, load_study
+from rcss_hat.experiments.study import StudyError
+from rcss_hat.experiments.study_file import load_study
 from rcss_hat.hat.teachers import STYLES
 from rcss_hat.keepaway.task import Task
 

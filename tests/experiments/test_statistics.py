@@ -61,10 +61,6 @@ def test_standard_error_and_interval_of_a_mean() -> None:
     assert st.ci95(np.random.default_rng(0).normal(size=4000)) == pytest.approx(1.96 / math.sqrt(4000), rel=0.05)
 
 
-def test_interquartile_mean() -> None:
-    assert st.interquartile_mean([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1000.0]) == 3.5
-
-
 @pytest.mark.parametrize("method", ["bca", "percentile"])
 def test_bootstrap_interval(method: str) -> None:
     random = np.random.default_rng(1)

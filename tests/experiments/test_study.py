@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 import pytest
 
-from rcss_hat.experiments.study import StudyError, load_study, parse_study, study_names
+from rcss_hat.experiments.study import StudyError
+from rcss_hat.experiments.study_file import load_study, parse_study, study_names
 from rcss_hat.hat.transfer import PPR, ExtraAction, NoPrior, ValueBonus
 from rcss_hat.learning.config import load_config
 
@@ -160,11 +163,71 @@ def test_some_conditions_can_be_chosen() -> None:
             small("[[condition]]\nname='x'\nmethod='ppr'\ndemonstrations='A'\nrounds=[{hour=1}]"),
             "either demonstrations or watch",
         ),
+        ("titel = 'x'", "did you mean 'title'"),
+        ("seed = -5", "seed must be a whole number from 0 to"),
+        ("seed = " + "9" * 6000, "not valid TOML: an integer of more than 64 bits"),
+        ("x = " + "[" * 3000 + "]" * 3000, "not valid TOML: nested more than"),
+        (small("[[condition]]\nname = 'x'\nhours = nan"), "condition 'x': hours must be .* 0 to 10,000, not nan"),
+        (small("[[condition]]\nname = 'x'\nhours = inf"), "condition 'x': hours must be .* 0 to 10,000, not inf"),
+        (
+            small("[[condition]]\nname = 'x'\nhours = 1e9"),
+            "condition 'x': hours must be .* 0 to 10,000, not 1000000000",
+        ),
+        (small("[[condition]]\nname = 'x'\ntrials = 1000000000"), "trials must be at least 1 and at most 10,000, not"),
+        (small("[[condition]]\nname = 'x'\ntrials = 9999"), "10,005 trials are more than a study can have: 10,000"),
+        (small("[[condition]]\nname = 'x'\nlerner = 'x'"), "condition 'x' has no entry 'lerner'; .*'learner'?"),
+        (small(replace=("decay = 0.99", "decay = 2")), "condition 'ppr': settings: decay must be a number from 0 to 1"),
+        (small("[demonstrations.'../../evil']\nteacher = 'A'\nepisodes = 1"), "letters, digits.*'../../evil'"),
+        (small("[demonstrations.B]\nname = '../x'\nteacher = 'A'\nepisodes = 1"), "no entry 'name'"),
+        (small("[demonstrations.'A.rules']\nteacher = 'A'\nepisodes = 1"), "must not end in .rules"),
+        (
+            small("[[table]]\nname = '../t'\ntitle = 't'\nconditions = ['ppr']"),
+            "table 1: name must be a name of letters",
+        ),
+        (small("[[figure]]\nname = '../t'\ntitle = 't'\nconditions = ['ppr']"), "figure 1: name must be a name of"),
+        (small("[[table]]\nname='t'\ntitle='t'\nconditions=[]\n" * 2), "there are two tables 't'"),
+        (small("[demonstrations.B]\nof = ['C']\n[demonstrations.C]\nof = ['B']"), "'B' is made of itself"),
+        (small("[demonstrations.B]\nteacher = 'A'\nepisodes = 100000"), "at most 10,000"),
+        (small("[sampling]\npools = ['A']\nepisodes = [1]\nsets = 1000000000"), "sampling: sets must be .* 1,000"),
+        (
+            small("[[condition]]\nname='x'\nmethod='ppr'\ndemonstrations='A'\nrounds=[{hour=1,watch='Z',episodes=1}]"),
+            "condition 'x': rounds: there is no scripted teacher 'Z'",
+        ),
+        (
+            small(
+                "[demonstrations.R]\nrules = 'paper'\n[[condition]]\nname='x'\nmethod='ppr'\ndemonstrations='R'\n"
+                "rounds=[{hour=1, watch='A', episodes=1}]"
+            ),
+            "condition 'x' needs demonstrations, and set 'R' is a decision list",
+        ),
     ],
 )
 def test_errors_name_the_place(text: str, message: str) -> None:
     with pytest.raises(StudyError, match=message):
         parse_study(text, Path())
+
+
+def test_other_numbers_have_the_same_limits() -> None:
+    study = parse_study(SMALL, Path())
+    for trials, hours, message in (
+        (1_000_000_000, None, "2,000,000,000 trials are more than a study can have: 10,000"),
+        (None, float("nan"), "hours must be 0 to 10,000, not nan"),
+        (None, 1e9, "condition 'none': hours must be 0 to 10,000, not 1e\\+09"),
+    ):
+        with pytest.raises(StudyError, match=message):
+            study.scaled(trials, hours)
+
+
+def test_settings_and_seeds_of_trials_stay_those_of_finished_ones() -> None:
+    """A trial whose settings changed is refused: this digest holds what `config.json` of existing ones says."""
+    settings = [
+        condition.run_config(study.trial_seed(name, trial)).to_dict()
+        for study in map(load_study, study_names())
+        for name, condition in study.scaled().conditions.items()
+        for trial in range(condition.trials)
+    ]
+    text = json.dumps(settings, sort_keys=True)
+    assert (len(settings), hashlib.sha256(text.encode()).hexdigest()[:16]) == (530, "1af24fe4c4631c0b")
 
 
 def test_a_study_that_is_not_there_is_named() -> None:

@@ -16,26 +16,21 @@ import pytest
 
 from rcss_hat.experiments.episode_log import EpisodeLog, EpisodeLogError, read_episode_log
 from rcss_hat.experiments.evaluation import evaluate, frozen_policy
-from rcss_hat.experiments.training import (
-    RunConfig,
-    TrainingError,
-    TrainingRun,
-    interrupt_flag,
-    psi_after,
-    read_config,
-    session_seed,
-)
+from rcss_hat.experiments.run_folder import RunConfig, TrainingError, read_config, session_seed
+from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.hat.decision_list import PAPER_RULES
 from rcss_hat.hat.transfer import CHAT, PPR, Decisions, NoPrior, Replay, ValueBonus
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
 from rcss_hat.learning.checkpoint import load_checkpoint
 from rcss_hat.learning.config import load_config
+from rcss_hat.system.interrupts import interrupt_flag
 
 RUN = """
 import sys
 from pathlib import Path
-from rcss_hat.experiments.training import RunConfig, TrainingRun
+from rcss_hat.experiments.run_folder import RunConfig
+from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.hat.decision_list import PAPER_RULES
 from rcss_hat.hat.transfer import PPR
 from rcss_hat.keepaway.task import Task
@@ -218,14 +213,16 @@ def test_settings_are_checked() -> None:
 
 def test_sessions_over_udp_count_on_and_are_settled_by_the_server_log(tmp_path: Path) -> None:
     run = TrainingRun.create(tmp_path / "run", config(stage="fake"))
-    assert run.begin_session() == 5
+    assert session_seed(5, run.sessions) == 5
+    run.begin_session()
     run.record([Episode(1, 0, 40, "?")])
     run.record([Episode(2, 40, 100, "?")])
     run.learners.records["episodes"] = [2, 2, 1]
     run.settle([Episode(1, 0, 40, "o"), Episode(2, 40, 100, "t")])
     run.checkpoint()
     run = TrainingRun.open(tmp_path / "run")
-    assert run.begin_session() == session_seed(5, 1) != 5
+    assert session_seed(5, run.sessions) == session_seed(5, 1) != 5
+    run.begin_session()
     assert run.learners.records["episodes"].tolist() == [2, 2, 2]
     run.record([Episode(1, 0, 30, "?")])
     run.settle([])  # the server wrote no log
@@ -236,11 +233,11 @@ def test_sessions_over_udp_count_on_and_are_settled_by_the_server_log(tmp_path: 
 
 
 def test_psi_of_the_log() -> None:
-    assert psi_after(PPR(decay=0.5), 3) == 0.125
-    assert psi_after(CHAT(decay=0.5), 1) == 0.5
-    assert psi_after(PPR(schedule="within-episode"), 3) == 1.0
-    assert psi_after(PPR(schedule="decision"), 3) is None
-    assert psi_after(NoPrior(), 3) is None
+    assert PPR(decay=0.5).psi_after(3) == 0.125
+    assert CHAT(decay=0.5).psi_after(1) == 0.5
+    assert PPR(schedule="within-episode").psi_after(3) == 1.0
+    assert PPR(schedule="decision").psi_after(3) is None
+    assert NoPrior().psi_after(3) is None
 
 
 def test_evaluation_leaves_the_learners_alone_and_repeats(tmp_path: Path) -> None:

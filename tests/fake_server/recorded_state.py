@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fake_server.simulation.state import C_CHANGE_FOCUS, C_POINTTO, MATCH
-from fake_server.text import _FULL_ORDER
+from rcss_hat.protocol.messages.fullstate import _FULL_ORDER
 from rcss_hat.protocol.play_modes import PLAY_MODE_IDS
 from rcss_hat.protocol.records import HIGH, LEFT, LOW, NARROW, NORMAL, RIGHT, WIDE
+from rcss_hat.simulation.state import C_CHANGE_FOCUS, C_POINTTO, MATCH
 
 DATA = Path(__file__).parent.parent / "data"
 WIDTHS = {"narrow": NARROW, "normal": NORMAL, "wide": WIDE}

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from fake_server.clock import Timing
 from fake_server.options import ServerOptions
-from fake_server.server import Server, running_server
+from fake_server.running import running_server
+from fake_server.server import Server
 from rcss_hat.protocol.params import ServerParams, Value
 
 PATIENCE = 20.0

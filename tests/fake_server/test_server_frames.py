@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 from recorded_state import frames, match_of_show, recorded
 
-from fake_server import binary, show
-from fake_server.digits import ascii_bytes
+from fake_server import show
 from fake_server.player_param import PlayerParams
-from fake_server.simulation.player_types import player_types
-from fake_server.simulation.state import MATCH, new_match
+from rcss_hat.protocol.digits import ascii_bytes
+from rcss_hat.protocol.messages import binary
+from rcss_hat.protocol.messages.show import MAX_SHOW
+from rcss_hat.protocol.messages.show_json import json_message
 from rcss_hat.protocol.params import ServerParams
+from rcss_hat.simulation.player_types import player_types
+from rcss_hat.simulation.state import MATCH, new_match
 
-BUFFER = np.zeros(show.MAX_SHOW, dtype=np.uint8)
+BUFFER = np.zeros(MAX_SHOW, dtype=np.uint8)
 ANGLES = {"transcript-v11-keepaway-360-synch-trainer-monitor": 360.0}
 
 
@@ -55,8 +58,8 @@ def _recorded_frames(version: int) -> list[np.ndarray]:
 def test_binary_frames_have_the_recorded_layout() -> None:
     match = new_match(ServerParams().record())
     for version, frame in (
-        (1, binary.show_1(match, ("", ""))),
-        (2, binary.show_2(match, ServerParams().record(), ("", ""))),
+        (1, show.show_1(match, ServerParams().record(), ("", ""))),
+        (2, show.show_2(match, ServerParams().record(), ("", ""))),
     ):
         dtype = binary.SHOW_1 if version == 1 else binary.SHOW_2
         own = np.frombuffer(frame, dtype=dtype)
@@ -83,7 +86,7 @@ def test_binary_frames_hold_what_the_match_holds() -> None:
         match["flags"][0] = players["state"] & ~1
         match["counts"][0][:, binary._COUNTS_2] = players["counts"]
         teams = tuple(name.decode() for name in recorded_frame["teams"]["name"][0])
-        frame = np.frombuffer(binary.show_2(match, ServerParams().record(), teams), dtype=binary.SHOW_2)
+        frame = np.frombuffer(show.show_2(match, ServerParams().record(), teams), dtype=binary.SHOW_2)
         assert frame.tobytes()[:44] == recorded_frame.tobytes()[:44]
         for name in players.dtype.names:
             assert np.array_equal(frame["players"][0][name], players[name]), name
@@ -137,5 +140,5 @@ def test_json_frame_holds_the_same_numbers_as_the_text_frame() -> None:
 def test_json_message() -> None:
     match = np.zeros(1, dtype=MATCH)
     match["time"], match["stopped"] = 5, 2
-    message = json.loads(show.json_message(match, 1, 'say "hi"'))["msg"]
+    message = json.loads(json_message(match, 1, 'say "hi"'))["msg"]
     assert message == {"time": 5, "stime": 2, "board": 1, "message": 'say "hi"'}

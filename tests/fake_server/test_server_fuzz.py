@@ -81,8 +81,8 @@ def _well_known(clients: Clients) -> dict[str, Client]:
     server = clients.server
     found = {}
     for client in clients.all:
-        member = server.clients.get(client.socket.getsockname())
-        if member is not None and member.connection is not None and member.connection.connected:
+        member = server.clients.by_address.get(client.socket.getsockname())
+        if member is not None and member.connection.connected:
             found[type(member).__name__.removesuffix("Client").lower()] = client
     for name, first, port in (
         ("trainer", "(init (version 11))", server.coach_port),

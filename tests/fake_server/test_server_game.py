@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from fake_server.announcements import EPISODE_END
 from fake_server.apply import apply
-from fake_server.game import EPISODE_END, Game, JoinError
+from fake_server.game import Game, JoinError
 from fake_server.options import ServerOptions
-from fake_server.simulation.state import (
+from rcss_hat.protocol.commands import parse_commands
+from rcss_hat.protocol.params import ServerParams, Value
+from rcss_hat.protocol.records import LEFT, NARROW, RIGHT
+from rcss_hat.simulation.state import (
     BEFORE_KICK_OFF,
     C_ATTENTIONTO,
     C_CATCH,
@@ -23,15 +27,13 @@ from fake_server.simulation.state import (
     C_TURN,
     C_TURN_NECK,
     DROP_BALL,
+    EAR_OTHER_PARTIAL,
+    EAR_OWN_PARTIAL,
     FREE_KICK_LEFT,
     GOAL_LEFT,
-    PHYSICS,
     PLAY_ON,
     TIME_OVER,
 )
-from rcss_hat.protocol.commands import parse_commands
-from rcss_hat.protocol.params import ServerParams, Value
-from rcss_hat.protocol.records import LEFT, NARROW, RIGHT
 
 
 def game(profile: str = "19.0", seed: int = 1, **changes: Value) -> Game:
@@ -51,7 +53,7 @@ def playing(profile: str = "19.0", **changes: Value) -> tuple[Game, int]:
 def do(match: Game, i: int, text: str) -> list[bool]:
     commands, complete = parse_commands(text.encode(), match.params.profile)
     assert complete
-    return [apply(match, match.match, match.streams[PHYSICS], i, command) for command in commands]
+    return [apply(match, match.world, i, command) for command in commands]
 
 
 @pytest.mark.parametrize(
@@ -115,7 +117,8 @@ def test_what_has_no_effect_is_not_accepted(text: str) -> None:
 )  # fmt: skip
 def test_ears(text: str, bits: int) -> None:
     match, i = playing()
-    assert all(do(match, i, text))
+    assert match.match["ear_off"][0, i] == EAR_OWN_PARTIAL | EAR_OTHER_PARTIAL  # until somebody asks for more
+    assert all(do(match, i, "(ear (on))" + text))
     assert match.match["ear_off"][0, i] == bits
 
 
@@ -246,7 +249,16 @@ def test_players_are_found_by_side_and_number() -> None:
         None,
     ]
     i = match.join("a", 11, True)
-    assert match.visible_name(i) == 'p "a" 1 goalie'
+    assert (match.team_name(i), match.unum(i), bool(match.match["goalie"][0, i])) == ("a", 1, True)
     match.leave(i)
     assert match.match["flags"][0, i] == 0 and not match.enabled(i)
     assert match.match["focus_side"][0, i] != LEFT
+
+
+@pytest.mark.parametrize(("referees", "moved"), [(True, True), (False, False)])
+def test_opponents_leave_the_centre_circle_only_where_there_are_referees(referees: bool, moved: bool) -> None:
+    match = game(coach=True, coach_w_referee=referees)
+    i = [match.join(team, 19, False) for team in ("left", "right")][1]
+    match.match["pos"][0, i] = 3.0, 0.0
+    match.step()
+    assert (list(match.match["pos"][0, i]) != [3.0, 0.0]) == moved

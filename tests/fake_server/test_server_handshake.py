@@ -118,7 +118,7 @@ def test_a_client_whose_socket_is_closed_is_removed() -> None:
         monitor.until(r"\(show .*\(\(l 1\) 0 0x1 ")
         player.close()
         monitor.until(r"\(show .*\(\(l 1\) 0 0 -3 -37")
-        assert clients.server.players[0] is None
+        assert clients.server.clients.players[0] is None
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,9 @@ import pytest
 from recorded_state import frames
 
 from fake_server.logs import LogError, Logs
-from fake_server.simulation.state import BEFORE_KICK_OFF, PLAY_ON, TIME_OVER, new_match
 from rcss_hat.keepaway.report import read_kwy
 from rcss_hat.protocol.params import ServerParams, Value
+from rcss_hat.simulation.state import BEFORE_KICK_OFF, PLAY_ON, TIME_OVER, new_match
 
 START = time.mktime((2026, 11, 22, 14, 30, 5, 0, 0, -1))
 TEAMS = ("keepers", "takers")

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from server_clients import Client, Clients, keepaway, options, serving, wait_for
 
-from fake_server import binary
+from rcss_hat.protocol.messages import binary
 
 PLAYERS = 22
 
@@ -105,7 +105,7 @@ def test_a_message_without_nul(clients: Clients) -> None:
 def test_goodbye(clients: Clients) -> None:
     monitor = clients.monitor()
     monitor.send("(dispbye)")
-    wait_for(lambda: clients.server.monitors == [])
+    wait_for(lambda: clients.server.clients.monitors == [])
 
 
 def test_placing_players_dropping_the_ball_and_discarding() -> None:

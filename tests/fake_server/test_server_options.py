@@ -60,8 +60,18 @@ def test_texts_may_be_quoted() -> None:
         ("server::ball_decay=nan", "takes a number, not 'nan'"),
         ("server::ball_decay=1_0", "takes a number, not '1_0'"),
         ("server::keepaway", "server::keepaway needs a value: server::keepaway=1"),
-        ("CSVSaver::save=1", "unknown name space in 'CSVSaver::save=1'"),
-        ("keepaway=1", "unknown option 'keepaway=1'"),
+        ("CSVSavr::save=1", "unknown name space in 'CSVSavr::save=1'; did you mean CSVSaver"),
+        ("SERVER::port=1", "unknown name space in 'SERVER::port=1'; did you mean server?"),
+        ("nothing::port=1", "there are server, player, CSVSaver, MySQLSaver, STDOUTSaver"),
+        ("CSVSaver::sav=1", "unknown parameter CSVSaver::sav; did you mean CSVSaver::save?"),
+        ("keepaway=1", "unknown option 'keepaway=1'; did you mean server::keepaway?"),
+        ("server::port = server::keepaway=1", "cannot read 'server::keepaway=1': server::port needs '=' and a value"),
+        ("server::port=", "server::port needs a value: server::port=6000"),
+        ("server::port=99999999999", "server::port takes an integer"),
+        ("server::fixed_teamname_l='A B'", "takes up to 15 of letters, digits, +, - and _, not 'A B'"),
+        ("server::fixed_teamname_l=A server::fixed_teamname_r=A", "are both 'A'; they must differ"),
+        ("server::game_log_version=0", "takes a version, 1 to 6, or -1 for JSON, not 0"),
+        ("--profile=11.1 server::game_log_version=-1", "takes a version, 1 to 6, not -1"),
         ("--sed 3", "did you mean --seed?"),
         ("--seed", "--seed needs a value"),
         ("--seed -1", "--seed takes an integer of at least 0, not '-1'"),
@@ -92,3 +102,16 @@ def test_parameters_that_change_nothing_are_named() -> None:
     line = "server::wind_force=3 server::verbose=0 player::subs_max=5 server::keepaway=1"
     assert without_effect(parse_options(line.split())) == ["player::subs_max", "server::wind_force"]
     assert without_effect(parse_options(["--profile=11.1"])) == []
+
+
+def test_other_name_spaces_are_named_when_they_ask_for_something() -> None:
+    line = "CSVSaver::save = true CSVSaver::filename=a.csv MySQLSaver::host=db CSVSaver::version='19.0.0'"
+    assert without_effect(parse_options(line.split())) == ["CSVSaver::filename", "CSVSaver::save", "MySQLSaver::host"]
+    assert without_effect(parse_options(["CSVSaver::save=off", "CSVSaver::filename='rcssserver.csv'"])) == []
+
+
+@pytest.mark.parametrize(
+    "switched_off", ["penalty_shoot_outs=0", "back_passes=0", "free_kick_faults=off", "wind_none=1"]
+)
+def test_what_is_not_done_here_may_be_switched_off(switched_off: str) -> None:
+    assert without_effect(parse_options([f"server::{switched_off}"])) == []

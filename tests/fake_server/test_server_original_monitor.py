@@ -70,4 +70,4 @@ def test_the_original_monitor_is_answered_as_by_the_original_server(session: str
                 monitor.send(command)
             if exchange["then"] is not None:
                 assert (exchange["sent"], answers(monitor, exchange["then"])) == (exchange["sent"], exchange["told"])
-        wait_for(lambda: clients.server.monitors == [])
+        wait_for(lambda: clients.server.clients.monitors == [])

@@ -92,7 +92,7 @@ def test_a_client_who_vanishes_is_removed_and_time_goes_on() -> None:
     with serving(options()) as clients:
         stays, vanishes = clients.player(), clients.player()
         vanishes.close()
-        wait_for(lambda: clients.server.players[1] is None)
+        wait_for(lambda: clients.server.clients.players[1] is None)
         for _ in range(2):
             stays.until(r"\(sense_body")
         again = clients.open()
@@ -104,20 +104,20 @@ def test_who_comes_back_takes_the_place_of_the_client_who_is_still_there() -> No
     with serving(options(coach_w_referee=True, player_rand=0.0)) as clients:
         old, new, trainer = clients.player(), clients.open(), clients.trainer()
         assert new.join("(reconnect keepers 1)") == "(reconnect l before_kick_off)"
-        assert clients.server.players[0].connection.address == new.socket.getsockname()
+        assert clients.server.clients.players[0].connection.address == new.socket.getsockname()
         old.send("(turn 90)")  # nobody listens any more
         new.send("(turn 30)")
         new.until(r"\(sense_body .*\(turn 1\)")
         new.until(r"\(sense_body")
         assert "1) -3 -37 0 0 30 0)" in trainer.ask("(look)", r"\(ok look")
-        assert old.socket.getsockname() not in clients.server.clients
+        assert old.socket.getsockname() not in clients.server.clients.by_address
 
 
 def test_who_said_goodbye_may_join_as_another_from_the_same_socket() -> None:
     with serving(options()) as clients:
         player = clients.player()
         player.send("(bye)")
-        wait_for(lambda: clients.server.players[0] is None)
+        wait_for(lambda: clients.server.clients.players[0] is None)
         player.send("(init keepers (version 11))", to_door=True)
         assert player.until(r"\((init|error)")[-1] == "(init l 2 before_kick_off)"
         assert player.until(r"\(sense_body")
@@ -128,7 +128,7 @@ def test_a_trainer_who_vanishes_makes_room_for_another() -> None:
         trainer = clients.trainer()
         assert trainer.ask("(eye on)", r"\(ok eye") == "(ok eye on)"
         trainer.close()
-        wait_for(lambda: clients.server.trainer is None)
+        wait_for(lambda: clients.server.clients.trainer is None)
         assert clients.trainer().ask("(check_ball)", r"\(ok") == "(ok check_ball 0 in_field)"
 
 

@@ -17,6 +17,7 @@ from server_clients import FAST, PATIENCE, Client, Clients, keepaway, serving, w
 
 from fake_server.clock import SynchClock, Timing
 from fake_server.player_client import PlayerClient
+from fake_server.reactions import Reactions
 from fake_server.server import Server
 from fake_server.trainer import TrainerClient
 from fake_server.warm_up import warm_up
@@ -130,7 +131,7 @@ def test_order_of_messages_within_a_cycle() -> None:
                 if k == 0 and cycle > 1:
                     shapes.add(" ".join(re.match(r"\((\w+)", message)[1] for message in told))
                 player.send(f'(say "{cycle}")(done)')
-        hears = "hear hear hear hear hear"
+        hears = "hear hear hear"  # himself, one team mate and one opponent: the others are heard in part, which is off
         late = f"see sense_body fullstate {hears} think"
         assert shapes <= {
             f"sense_body fullstate {hears} see think",
@@ -224,7 +225,7 @@ def test_who_is_silent_is_waited_for_and_the_server_gives_up_in_the_end(capfd: p
 def by_hand(timing: Timing) -> Iterator[tuple[Server, SynchClock, list[Client]]]:
     """A server in a match of two players whose cycles the test calls, one after the other."""
     warm_up(quiet=True)
-    server = Server(keepaway(), timing=timing)
+    server = Server(keepaway())
     server.start()
     clients = Clients(server)
     players = [clients.open(), clients.open()]
@@ -243,12 +244,12 @@ def by_hand(timing: Timing) -> Iterator[tuple[Server, SynchClock, list[Client]]]
 
 def test_nobody_is_asked_to_think_before_he_was_told_of_a_step() -> None:
     with by_hand(Timing(patience=0.0, pause=0.0)) as (server, clock, players):
-        assert server.start_thinking() == []
+        assert server.clients.start_thinking() == []
         clock.cycle()
         kinds = [re.match(r"\((\w+)", message)[1] for message in players[1].until(r"\(think\)")]
         assert kinds[0] == "hear"
         assert set(kinds[1:-1]) <= {"sense_body", "see"}
-        assert [client.who for client in server.start_thinking()] == ["keepers_1", "keepers_2"]
+        assert [client.who for client in server.clients.start_thinking()] == ["keepers_1", "keepers_2"]
 
 
 def test_one_answer_in_time_forgives_misses(capfd: pytest.CaptureFixture[str]) -> None:
@@ -275,11 +276,11 @@ def test_who_answered_while_the_server_was_busy_has_not_missed(
     take, patience = PlayerClient.take, 0.05
     with by_hand(Timing(patience=patience, pause=0.0)) as (server, clock, players):
 
-        def slowly(client: PlayerClient, data: bytes) -> None:
+        def slowly(client: PlayerClient, data: bytes) -> Reactions:
             if client.i == 0:
                 time.sleep(1.5 * patience)
                 players[1].send("(done)")
-            take(client, data)
+            return take(client, data)
 
         monkeypatch.setattr(PlayerClient, "take", slowly)
         players[0].send("(done)")
@@ -312,19 +313,19 @@ def test_commands_of_who_never_says_done_are_carried_out() -> None:
 
 def test_who_dies_while_he_thinks_costs_one_wait(capfd: pytest.CaptureFixture[str]) -> None:
     with by_hand(Timing(patience=0.0, pause=0.0)) as (server, clock, (stays, dies)):
-        ask = server.start_thinking
+        ask = server.clients.start_thinking
 
         def ask_and_die() -> list[PlayerClient | TrainerClient]:
             thinkers = ask()
             dies.close()  # nobody notices before something is sent to him
             return thinkers
 
-        server.start_thinking = ask_and_die  # type: ignore[method-assign]
-        server.hold = lambda: None  # type: ignore[method-assign]  # (think) reaches him before he dies
+        server.clients.start_thinking = ask_and_die  # type: ignore[method-assign]
+        server.clients.hold = lambda: None  # type: ignore[method-assign]  # (think) reaches him before he dies
         for _ in range(5):
             stays.send("(done)")
             clock.cycle()
-        assert [player and player.who for player in server.players[:2]] == ["keepers_1", None]
+        assert [player and player.who for player in server.clients.players[:2]] == ["keepers_1", None]
     assert capfd.readouterr().err == "Someone missed a cycle at 1\n"
 
 

@@ -9,10 +9,10 @@ from server_clients import options, serving
 from fake_server.game import Game
 from fake_server.options import ServerOptions
 from fake_server.player_param import PlayerParams
-from fake_server.simulation.state import PLAY_ON
-from fake_server.touch import TouchReferee
+from fake_server.soccer.touch import TouchReferee
 from rcss_hat.protocol.params import ServerParams, Value
 from rcss_hat.protocol.play_modes import PLAY_MODE_IDS
+from rcss_hat.simulation.state import PLAY_ON
 
 LEFT, RIGHT = 0, 11
 
@@ -109,11 +109,11 @@ def test_a_golden_goal_ends_the_match() -> None:
     assert match.step() == ["goal_l_1", "time_over"]
 
 
-def test_a_goalie_with_the_ball_behind_the_line_is_left_alone() -> None:
+def test_a_goalie_with_the_ball_behind_the_line_has_left_his_area() -> None:
     match = played(51.0, 20.0, 2.5, 0.0, LEFT)
     match.match["catcher"] = RIGHT
     match.match["pos"][0, RIGHT] = (53.5, 20.0)
-    assert match.step() == []
+    assert match.step() == ["catch_fault_r"]
 
 
 def test_who_collides_with_the_ball_has_touched_it() -> None:
@@ -136,7 +136,7 @@ def test_nothing_is_judged_in_keepaway_without_referees_and_in_shoot_outs() -> N
 
 
 def types(match: Game) -> list[tuple[int, int]]:
-    changes = match.types_at_kick_off()
+    changes = match.line_up.at_kick_off()
     for i, kind in changes:
         match.substitute(i, kind)
     return changes
@@ -166,9 +166,9 @@ def test_no_type_is_played_more_often_than_allowed(most: int) -> None:
 
 
 def test_types_stay_where_the_original_leaves_them() -> None:
-    assert game(keepaway=True).types_at_kick_off() == []
-    assert game({"allow_mult_default_type": True}).types_at_kick_off() == []
-    assert Game(ServerOptions(ServerParams("11.1"), PlayerParams("11.1")), 1).types_at_kick_off() == []
+    assert game(keepaway=True).line_up.at_kick_off() == []
+    assert game({"allow_mult_default_type": True}).line_up.at_kick_off() == []
+    assert Game(ServerOptions(ServerParams("11.1"), PlayerParams("11.1")), 1).line_up.at_kick_off() == []
 
 
 def test_players_are_told_types_before_the_kick_off() -> None:

@@ -14,15 +14,13 @@ from hypothesis import strategies as st
 from rcss_hat.hat.conditions import Condition
 from rcss_hat.hat.decision_list import (
     PAPER_RULES,
-    RULE_ROW,
     DecisionList,
-    Rule,
-    action_name,
-    advise,
-    deciding_row,
 )
-from rcss_hat.hat.files import FileFormatError
 from rcss_hat.hat.ripper import RipperClassifier
+from rcss_hat.hat.rule import Rule
+from rcss_hat.hat.rule_rows import RULE_ROW, advise, deciding_row
+from rcss_hat.inputs import FileFormatError
+from rcss_hat.keepaway.decision import action_name
 from rcss_hat.keepaway.state import n_state_variables, state_names
 
 TASKS = st.sampled_from([(3, 2), (4, 3), (5, 4)])
@@ -198,12 +196,76 @@ def test_other_spellings_are_understood() -> None:
         ("else -> Action = 0\nelse -> Action = 1", "line 2: expected nothing more after the default action"),
         ("if (state_13 <= 2) -> Action = 1 else -> Action = 0", "rule 1: 3v2 has state_0 to state_12, not state_13"),
         ("else -> Action = 3", "the default rule: 3v2 has the actions 0 to 2, not 3"),
+        (f"else -> Action = {'9' * 5000}", "line 1: '9999.* does not exist"),
+        (f"if (state_{'9' * 5000} <= 1) -> Action = 0", "line 1: 'state_9999.* does not exist"),
         ("if (state_1 <= 1e999) -> Action = 1 else -> Action = 0", "line 1: .* must be finite"),
     ],
 )
 def test_errors_of_the_text_name_line_and_expectation(text: str, message: str) -> None:
     with pytest.raises(FileFormatError, match=message):
         DecisionList.parse(text)
+
+
+JRIP = """JRIP rules:
+===========
+
+(state_11 >= 74.84) and (state_3 <= 5.99) => Action=1 (30.0/2.0)
+(state_12 >= 60) and (state_3 <= 4.1) => Action=2 (12.0/3.0)
+ => Action=0 (400.0/12.0)
+
+Number of Rules : 3
+"""
+"""As Weka 3 prints what JRip learned from the ARFF export."""
+
+
+def test_jrip_text_is_read_with_its_weights() -> None:
+    rules = DecisionList.parse(JRIP)
+    assert rules.rules[0].conditions == (Condition(11, ">=", 74.84), Condition(3, "<=", 5.99))
+    assert [rule.action for rule in rules] == [1, 2, 0]
+    assert [sum(rule.counts) for rule in rules] == [30.0, 12.0, 400.0]
+    assert [rule.precision for rule in rules] == [28 / 30, 9 / 12, 388 / 400]
+    assert rules.rules[0].confidence == 29 / 33
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"=== Run information ===\n\nScheme: weka.classifiers.rules.JRip\n\n{JRIP}\nTime taken: 0.1 s\n=== Summary",
+        JRIP.partition("\n\n")[2].partition("\nNumber")[0],
+        JRIP.replace("Action=", "class=").replace("state_", "s").replace("class=2", "class=PASS2"),
+        JRIP.replace("\n", "\r\n").replace("\r\n", "\n"),
+    ],
+)
+def test_jrip_text_with_more_or_less_around_it(text: str) -> None:
+    assert DecisionList.parse(text) == DecisionList.parse(JRIP)
+
+
+def test_what_our_own_classifier_prints_like_jrip_is_read() -> None:
+    rng = np.random.default_rng(3)
+    rows = rng.uniform(0.0, 20.0, (300, 13))
+    classifier = RipperClassifier(random_state=1).fit(rows, (rows[:, 3] > 9.0).astype(int) + (rows[:, 5] > 15.0))
+    read = DecisionList.parse(classifier.to_text())
+    learned = DecisionList.from_classifier(classifier)
+    assert [rule.action for rule in read] == [rule.action for rule in learned]
+    for ours, theirs in zip(read, learned, strict=True):
+        assert sum(ours.counts) == pytest.approx(sum(theirs.counts))
+        assert ours.confidence == pytest.approx(theirs.confidence)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (": 3", ": 4", "it says that there are 4 rules, but has 3"),
+        (" => Action=0 (400.0/12.0)", "", "line 8: expected .*as JRip prints rules, found the end of the text"),
+        ("(12.0/3.0)", "(12.0/30.0)", "line 5: .12.0/30.0. must be the weight a rule covers"),
+        ("Action=2", "Action=3", "rule 2: 3v2 has the actions 0 to 2, not 3"),
+        ("(state_12 >= 60) and", "(state_12 = 60) and", "line 5: expected '<=' or '>=', found '='"),
+        ("(state_12 >= 60)", "(state_12 >= 60", r"line 5: expected '\)', found 'and'"),
+    ],
+)
+def test_errors_of_jrip_text_name_the_line(old: str, new: str, message: str) -> None:
+    with pytest.raises(FileFormatError, match=message):
+        DecisionList.parse(JRIP.replace(old, new))
 
 
 # --- files ------------------------------------------------------------------------------------------------------
@@ -288,7 +350,7 @@ def test_failed_save_keeps_the_old_file(tmp_path: Path, monkeypatch: pytest.Monk
     def full_disk(_: int) -> None:
         raise OSError("no space left")
 
-    monkeypatch.setattr("rcss_hat.hat.files.os.fsync", full_disk)
+    monkeypatch.setattr("rcss_hat.system.files.os.fsync", full_disk)
     with pytest.raises(OSError, match="no space left"):
         DecisionList((), 1).save(path)
     assert path.read_text() == before

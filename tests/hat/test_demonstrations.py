@@ -20,7 +20,7 @@ from rcss_hat.hat.demonstrations import (
     DemonstrationWriter,
     combine,
 )
-from rcss_hat.hat.files import FileFormatError
+from rcss_hat.inputs import FileFormatError
 from rcss_hat.keepaway.report import OUT, TAKEN, UNKNOWN, Episode
 from rcss_hat.keepaway.state import n_state_variables
 from rcss_hat.keepaway.task import Task
@@ -256,6 +256,14 @@ def broken(tmp_path: Path, line: int, old: str, new: str) -> Path:
     return path
 
 
+def test_byte_order_marks_are_ignored(tmp_path: Path) -> None:
+    path = broken(tmp_path, 2, "3.5", "3.5")
+    expected = DemonstrationSet.load(path)
+    for file in (path, path.with_suffix(".json")):
+        file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes())
+    assert DemonstrationSet.load(path) == expected
+
+
 @pytest.mark.parametrize(
     ("line", "old", "new", "message"),
     [
@@ -263,6 +271,11 @@ def broken(tmp_path: Path, line: int, old: str, new: str) -> Path:
         (2, "1,10,1,", "1,ten,1,", "line 2: cycle must be a whole number, not 'ten'"),
         (2, "1,10,1,", "1,10,4,", "line 2: keeper must be a uniform number 1 to 3 in 3v2, not 4"),
         (2, "1,10,1,", "1,1,", "line 2: expected 17 cells, found 16"),
+        (2, "3.5", '"3.5', "line 2: unexpected end of data; is there a quote too many?"),
+        (2, "3.5", '"3.5\n"', "line 2: a quote opens that does not close in this line"),
+        (2, "3.5", "3" * 200_000, "line 2: field larger than field limit"),
+        (2, "3.5", "1e300", "line 2: s3 must be metres or degrees, not 1e+300"),
+        (2, "1,10,1,", f"1,{'9' * 5000},1,", "line 2: cycle must be a whole number, not '9999"),
         (2, "3.5", "", "line 2: s3 must be a number, not ''"),
         (2, "3.5", "nan", "line 2: s3 must be a finite number, not nan; states with unknown players are no decisions"),
         (3, "12.5,1", "12.5,3", "line 3: action must be one of 0 Hold, 1 PASS1, 2 PASS2 in 3v2, not 3"),
@@ -433,6 +446,34 @@ def test_crash_between_table_and_header(tmp_path: Path, monkeypatch: pytest.Monk
     assert DemonstrationSet.load(path) == demonstrations
 
 
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_recording_stopped_while_it_made_its_files_is_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, resume: bool
+) -> None:
+    def stop(path: Path, text: str) -> None:
+        raise KeyboardInterrupt
+
+    for interrupted in ("header", "table"):
+        made = [] if interrupted == "header" else ["demo.json"]
+        with monkeypatch.context() as patch:
+            if interrupted == "header":
+                patch.setattr("rcss_hat.hat.demonstration_writer.write_text", stop)
+            else:
+                patch.setattr("rcss_hat.hat.demonstration_writer.table_head", lambda n: stop(tmp_path, ""))
+            with pytest.raises(KeyboardInterrupt):
+                DemonstrationWriter(tmp_path / "demo.csv", INFO)
+        assert [path.name for path in tmp_path.iterdir() if path.suffix in (".csv", ".json")] == made
+        with DemonstrationWriter(tmp_path / "demo.csv", INFO, resume) as writer:
+            writer.remove_if_empty()
+
+
+def test_a_table_without_header_is_not_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "demo.csv").write_text("somebody's\n")
+    with pytest.raises(FileFormatError, match="exists already"):
+        DemonstrationWriter(tmp_path / "demo.csv", INFO)
+    assert (tmp_path / "demo.csv").read_text() == "somebody's\n"
+
+
 def test_existing_file_is_not_overwritten(tmp_path: Path) -> None:
     made_up().save(tmp_path / "demo.csv")
     before = (tmp_path / "demo.csv").read_text()
@@ -447,6 +488,10 @@ def test_existing_file_is_not_overwritten(tmp_path: Path) -> None:
         (DemonstrationInfo("B", "arena"), "its teacher is 'A', not 'B'"),
         (DemonstrationInfo("A", "real"), "its stage is 'arena', not 'real'"),
         (DemonstrationInfo("A", "arena", Task(vision=90)), "its task is Task"),
+        (
+            DemonstrationInfo("A", "arena", notes="played 5 times as fast as real time"),
+            "its notes is 'of A', not 'played 5",
+        ),
     ],
 )
 def test_resuming_something_else_is_an_error(tmp_path: Path, info: DemonstrationInfo, message: str) -> None:

@@ -11,7 +11,7 @@ from player.beliefs import NOW, PARAMS, Sight, ball, know, parameters, player
 from rcss_hat.keepaway import agent as kernels
 from rcss_hat.keepaway.agent import FIRST, FOLLOW_THROUGH, NO_DECISION, STEP, UNKNOWN
 from rcss_hat.keepaway.getting_open import open_point
-from rcss_hat.keepaway.holding import hold_ball
+from rcss_hat.keepaway.holding import hold_ball, pass_ball
 from rcss_hat.keepaway.marking import mark, most_open_opponent
 from rcss_hat.player.objects import ball_is_known, is_known
 from rcss_hat.player.records import NEVER, NOBODY, OPPONENTS
@@ -31,9 +31,13 @@ def holder(**more):
     return agent
 
 
-def act(agent, choice=0):
+def decide(agent):
+    return kernels.decide(agent, STATE)
+
+
+def act(agent, status=NO_DECISION, choice=0):
     action = empty(ACTION)
-    kernels.act(agent, PARAMS, choice, action)
+    kernels.act(agent, PARAMS, status, choice, action)
     return action
 
 
@@ -64,79 +68,71 @@ def perceive(agent, time, see=None, started=False, heard=None):
 # -- decisions --------------------------------------------------------------------------------------------------------
 def test_every_cycle_with_the_ball_is_a_decision():
     agent = holder()
-    assert kernels.decide(agent, PARAMS, STATE) == FIRST
+    assert decide(agent).status == FIRST
     assert STATE[1:5] == pytest.approx([8.0, math.hypot(8, 3), 8.0, math.hypot(1, 9)])
-    act(agent, 0)
+    act(agent, FIRST, 0)
     refresh(agent)
-    assert kernels.decide(agent, PARAMS, STATE) == STEP
-    assert agent["reward"][0] == 1.0
-    act(agent, 0)
+    assert decide(agent)[:2] == (STEP, 1.0)
+    act(agent, STEP, 0)
     refresh(agent, 7)
-    assert kernels.decide(agent, PARAMS, STATE) == STEP
-    assert agent["reward"][0] == 7.0
+    assert decide(agent)[:2] == (STEP, 7.0)
 
 
 def test_a_pass_is_followed_through_without_asking():
     agent = holder()
-    kernels.decide(agent, PARAMS, STATE)
-    act(agent, 2)
+    act(agent, decide(agent).status, 2)
     refresh(agent)
-    assert kernels.decide(agent, PARAMS, STATE) == FOLLOW_THROUGH
-    action = act(agent, 0)
+    assert decide(agent).status == FOLLOW_THROUGH
+    action = act(agent, FOLLOW_THROUGH, 0)
     assert action["kind"][0] == KICK
     assert abs(action["b"][0]) > 150, "still to the keeper behind"
     refresh(agent, 20)
-    assert kernels.decide(agent, PARAMS, STATE) == STEP
-    assert agent["reward"][0] == 20.0, "counted from the last kick of the pass"
+    assert decide(agent)[:2] == (STEP, 20.0), "counted from the last kick of the pass"
 
 
 def test_without_the_ball_there_is_no_decision():
     agent = holder()
     ball(agent, (3.0, 0.0))
-    assert kernels.decide(agent, PARAMS, STATE) == NO_DECISION
+    assert decide(agent).status == NO_DECISION
     ball(agent, (0.5, 0.0), age=11)
-    assert kernels.decide(agent, PARAMS, STATE) == NO_DECISION
+    assert decide(agent).status == NO_DECISION
 
 
 def test_an_undefined_state_means_hold_and_no_credit():
     agent = holder()
-    kernels.decide(agent, PARAMS, STATE)
-    act(agent, 0)
+    act(agent, decide(agent).status, 0)
     refresh(agent)
     agent["player_seen"][0, OPPONENTS] = NEVER
-    assert kernels.decide(agent, PARAMS, STATE) == UNKNOWN
+    assert decide(agent).status == UNKNOWN
     expected = hold_ball(agent, PARAMS, 0.7)
-    action = act(agent, 2)
+    action = act(agent, UNKNOWN, 2)
     assert (action["kind"][0], action["a"][0]) == (expected[0], math.trunc(expected[1]))
     refresh(agent)
-    assert kernels.decide(agent, PARAMS, STATE) == STEP
-    assert agent["reward"][0] == 2.0
+    assert decide(agent)[:2] == (STEP, 2.0)
 
 
 def test_the_end_of_an_episode_is_told_once_with_the_last_reward():
     agent = holder()
     agent["episodes"][0] = 1
-    kernels.decide(agent, PARAMS, STATE)
-    assert not agent["ended"][0]
-    act(agent, 1)
+    point = decide(agent)
+    assert not point.ended
+    act(agent, point.status, 1)
     perceive(agent, NOW + 30, started=True)
-    assert kernels.decide(agent, PARAMS, STATE) == NO_DECISION
-    assert (agent["ended"][0], agent["ended_acted"][0], agent["final_reward"][0]) == (1, 1, 30.0)
-    kernels.decide(agent, PARAMS, STATE)
-    assert not agent["ended"][0]
+    point = decide(agent)
+    assert (point.status, point.ended, point.acted, point.final_reward) == (NO_DECISION, True, True, 30.0)
+    assert not decide(agent).ended
     perceive(agent, NOW + 60, started=True)
-    kernels.decide(agent, PARAMS, STATE)
-    assert (agent["ended"][0], agent["ended_acted"][0]) == (1, 0), "told to keepers that never acted too"
+    point = decide(agent)
+    assert (point.ended, point.acted) == (True, False), "told to keepers that never acted too"
     refresh(agent)
     ball(agent, tuple(agent["pos"][0] + 0.4))
-    assert kernels.decide(agent, PARAMS, STATE) == FIRST
+    assert decide(agent).status == FIRST
 
 
 def test_the_first_beginning_ends_nothing():
     agent = kernels.new_agent(LEFT, 1, 3, 2, PARAMS, 0)
     perceive(agent, 1, started=True)
-    kernels.decide(agent, PARAMS, STATE)
-    assert not agent["ended"][0]
+    assert not decide(agent).ended
 
 
 # -- perception -------------------------------------------------------------------------------------------------------
@@ -188,11 +184,11 @@ def test_the_guessed_ending_follows_the_ball():
 # -- actions ----------------------------------------------------------------------------------------------------------
 def test_numbers_of_actions_are_whole_and_cut_towards_zero():
     agent = holder(body=33.3)
-    kernels.decide(agent, PARAMS, STATE)
-    action = act(agent, 1)
+    action = act(agent, decide(agent).status, 1)
     assert action["kind"][0] == KICK
-    for name, planned in (("a", "plan_a"), ("b", "plan_b")):
-        assert action[name][0] == math.trunc(agent[planned][0])
+    _, *planned = pass_ball(holder(body=33.3), PARAMS, 1)
+    for name, number in zip("ab", planned, strict=True):
+        assert number != action[name][0] == math.trunc(number)
         assert agent[f"sent_{name}"][0] == action[name][0]
     assert not action["turns_neck"][0], "with the ball the neck is left alone"
     assert action["say_n"][0] > 0
@@ -201,14 +197,12 @@ def test_numbers_of_actions_are_whole_and_cut_towards_zero():
 def test_the_fastest_keeper_runs_and_looks_at_the_ball_others_get_open():
     agent = holder()
     ball(agent, (4.0, 0.0))
-    kernels.decide(agent, PARAMS, STATE)
-    action = act(agent)
+    action = act(agent, decide(agent).status)
     assert (action["kind"][0], action["a"][0], action["neck"][0]) == (DASH, 100.0, 0.0)
     agent = holder()
     ball(agent, (7.5, 1.0))
     know(agent, 0, (0.0, 0.0))
-    kernels.decide(agent, PARAMS, STATE)
-    action = act(agent)
+    action = act(agent, decide(agent).status)
     # alone on its side it goes down left, and looks at the centre: where it still is
     assert action["kind"][0] == TURN
     assert agent["fast_own"][0] == 1
@@ -219,8 +213,7 @@ def test_a_lost_ball_is_searched_with_the_neck_straight():
     agent = holder()
     agent["head"][0] = 25.0
     agent["ball_seen"][0] = NEVER
-    kernels.decide(agent, PARAMS, STATE)
-    action = act(agent)
+    action = act(agent, decide(agent).status)
     assert (action["kind"][0], action["neck"][0]) == (TURN, -25.0)
     assert abs(action["a"][0]) in (59.0, 60.0)
 
@@ -228,8 +221,7 @@ def test_a_lost_ball_is_searched_with_the_neck_straight():
 def test_a_withheld_command_is_not_given():
     agent = holder()
     agent["withheld"][0] = 1
-    kernels.decide(agent, PARAMS, STATE)
-    action = act(agent)
+    action = act(agent, decide(agent).status)
     assert (action["kind"][0], action["turns_neck"][0], action["say_n"][0]) == (0, 0, 0)
 
 

@@ -64,9 +64,10 @@ class Replay:
             self.agent, PARAMS, self.sense, self.see, see is not None, self.heard, bool(started) or self.cycles == 0
         )
         self.cycles += 1
-        status = kernels.decide(self.agent, PARAMS, self.state) if self.side == LEFT else kernels.NO_DECISION
+        keeper = self.side == LEFT
+        status = kernels.decide(self.agent, self.state).status if keeper else kernels.NO_DECISION
         choice = hand(self.state, 3, 2) if status in (kernels.FIRST, kernels.STEP) else 0
-        kernels.act(self.agent, PARAMS, choice, self.action)
+        kernels.act(self.agent, PARAMS, status, choice, self.action)
         if status == kernels.NO_DECISION:
             return "keeper without ball" if self.side == LEFT else "taker"
         return "pass" if choice or status == kernels.FOLLOW_THROUGH else "hold"

@@ -14,6 +14,7 @@ from rcss_hat.keepaway.session import DONE, WAIT_FOR_SEE, KeepawayPlayer
 from rcss_hat.protocol import messages
 from rcss_hat.protocol.commands import parse_commands
 from rcss_hat.protocol.errors import RemoteProtocolError
+from rcss_hat.protocol.session import Handshake
 
 OF_PLAYERS = re.compile(
     r"\((see|sense_body|hear|server_param|player_param|player_type|ok|error|warning|init|fullstate|think|score|change_p)"
@@ -34,7 +35,7 @@ def at(cycle: int, data: bytes) -> bytes:
 
 def joined(side: str = "l", unum: int = 1, synch: bool = True, n_keepers: int = 3) -> KeepawayPlayer:
     player = KeepawayPlayer("keepers", n_keepers, 2, 1, lambda cycle, status, reward, state: cycle % n_keepers)
-    player.initialised(messages.parse(b"(init %s %d before_kick_off)\0" % (side.encode(), unum)))
+    player.initialised(messages.Init(side=side, unum=unum, mode="before_kick_off"))
     player.receive(b"(server_param (synch_mode %d) (visible_angle 360))\0" % synch)
     return player
 
@@ -83,8 +84,9 @@ def test_no_message_harms_a_player(side: str, unum: int, synch: bool, params: by
         wait = player.wait()
         assert wait is None or 0.0 <= wait <= WAIT_FOR_SEE * 1000.0
         check(tell(player, b"(think)\0") if player.synch else player.deadline())
-    tell(player, PLAY_ON)
-    for data in (SENSE, *(at(7, see) for see in SEES[:1])):
+    cycle = player.cycle + 1
+    tell(player, at(cycle, PLAY_ON))
+    for data in (at(cycle, SENSE), *(at(cycle, see) for see in SEES[:1])):
         assert tell(player, data) == []
     answers = player.receive(b"(think)\0")
     assert answers[-1] == DONE
@@ -95,10 +97,14 @@ def test_no_message_harms_a_player(side: str, unum: int, synch: bool, params: by
 def test_any_first_reply_is_taken_or_refused(data: bytes) -> None:
     player = KeepawayPlayer("keepers", 3, 2, 1, lambda *_: 0)
     try:
-        player.initialised(messages.parse(data))
+        handshake = Handshake("keepers", 11)
+        handshake.receive(data)
     except RemoteProtocolError as error:
         assert str(error)
-    else:
+        return
+    assert not handshake.joined  # the parameters, or the place, are yet to come
+    if handshake.place is not None:
+        player.initialised(handshake.place)
         assert 1 <= player.unum <= 11
 
 

@@ -1,13 +1,18 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from rcss_hat.hat.transfer.learners import Learners
+from rcss_hat.hat.transfer.making import make_method
+from rcss_hat.learning.bounds import learner_bounds
 from rcss_hat.learning.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from rcss_hat.learning.config import LearnerConfig
 from rcss_hat.learning.sarsa import LEARNER
 
 
@@ -98,3 +103,64 @@ def test_pickles_inside_are_not_opened(tmp_path: Path) -> None:
         archive.writestr("extra.npy", buffer.getvalue())
     with pytest.raises(CheckpointError):
         load_checkpoint(path)
+
+
+def test_what_unpacks_to_too_much_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "a.npz"
+    save_checkpoint(path, {}, {"weights": np.zeros(400_000)})
+    assert path.stat().st_size < 10_000
+    monkeypatch.setattr("rcss_hat.learning.checkpoint.MAX_UNPACKED", 2**20)
+    with pytest.raises(CheckpointError, match="unpacks to 3 MiB in 2 arrays; the limits are 1 MiB and 64"):
+        load_checkpoint(path)
+
+
+def test_an_array_that_claims_to_be_longer_than_it_is_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    save_checkpoint(path, {}, {"weights": np.zeros(3)})
+    with zipfile.ZipFile(path) as file:
+        members = {name: file.read(name) for name in file.namelist()}
+    members["weights.npy"] = members["weights.npy"].replace(b"(3,)", b"(999999999999,)").replace(b" " * 11, b"", 1)
+    with zipfile.ZipFile(path, "w") as file:
+        for name, data in members.items():
+            file.writestr(name, data)
+    with pytest.raises(CheckpointError, match="damaged"):
+        load_checkpoint(path)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "message"),
+    [
+        ("last_action", 3, "'last_action' is 3; it must be -1 to 2"),
+        ("last_start", 10**6, "'last_start' points out of the features of its variable"),
+        ("trace_high", -1, "'trace_high' is -1"),
+        ("trace_low", 5, "'trace_low' points out of the features of its variable"),
+        ("n_actions", 12, "'n_actions' is not that of these settings"),
+        ("step", np.inf, "'step' is inf"),
+    ],
+)
+def test_learners_with_wrong_numbers_are_refused(tmp_path: Path, field: str, value: float, message: str) -> None:
+    path = tmp_path / "learners.npz"
+    team = Learners.create(LearnerConfig(lambda_=0.9), make_method("no-prior"))
+    team.save(path)
+    assert Learners.load(path).n_keepers == 3
+    team.records[field] = value
+    team.save(path)
+    with pytest.raises(CheckpointError, match=re.escape(message)):
+        Learners.load(path)
+
+
+def test_every_field_of_a_learner_has_bounds() -> None:
+    team = Learners.create(LearnerConfig(), make_method("no-prior"))
+    assert set(learner_bounds(team.records, 3)) == set(LEARNER.names)
+
+
+@pytest.mark.parametrize(
+    "change", [{"n_keepers": 10**9}, {"n_takers": None}, {"seed": -1}, {"method": []}, {"config": 7}]
+)
+def test_settings_that_cannot_be_are_refused(tmp_path: Path, change: dict) -> None:
+    path = tmp_path / "learners.npz"
+    Learners.create(LearnerConfig(), make_method("no-prior")).save(path)
+    saved = load_checkpoint(path)
+    save_checkpoint(path, {**saved.header, **change}, saved.arrays)
+    with pytest.raises(CheckpointError, match="the settings in the file are not valid"):
+        Learners.load(path)

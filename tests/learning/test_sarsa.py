@@ -26,26 +26,35 @@ class Keeper:
         self.traces = initial_traces(config, approximator, n_actions)
         self.approximator = approximator
 
+    @property
+    def arrays(self) -> sarsa.Learner:
+        return sarsa.Learner(self.learner, self.rng, self.features, self.table, self.weights, self.traces)
+
     def observe(self, state: list[float]) -> np.ndarray:
-        sarsa.observe(self.learner, self.features, self.table, self.weights, np.array(state))
+        sarsa.observe(self.arrays, np.array(state))
         return self.learner["q"][0, : len(self.weights)].copy()
 
     def begin(self, action: int, bonus: float = 0.0) -> None:
-        sarsa.begin(self.learner, self.features, self.table, self.traces, action, bonus)
+        sarsa.begin(self.arrays, action, bonus)
 
     def advance(self, reward: float, action: int, bonus: float = 0.0) -> None:
-        sarsa.advance(self.learner, self.features, self.table, self.weights, self.traces, reward, action, bonus)
+        sarsa.advance(self.arrays, reward, action, bonus)
 
     def start(self, state: list[float]) -> int:
-        arrays = (self.learner, self.rng, self.features, self.table, self.weights, self.traces)
-        return sarsa.start(*arrays, np.array(state))
+        self.observe(state)
+        action = sarsa.select_epsilon_greedily(self.learner, self.rng)
+        self.begin(action)
+        return action
 
     def step(self, reward: float, state: list[float]) -> int:
-        arrays = (self.learner, self.rng, self.features, self.table, self.weights, self.traces)
-        return sarsa.step(*arrays, reward, np.array(state))
+        self.observe(state)
+        action = sarsa.select_epsilon_greedily(self.learner, self.rng)
+        self.advance(reward, action)
+        return action
 
     def end(self, reward: float) -> None:
-        sarsa.end(self.learner, self.features, self.table, self.weights, self.traces, reward)
+        sarsa.conclude(self.arrays, reward)
+        sarsa.count_episode(self.learner)
 
 
 def one_tile_keeper(**settings: float) -> Keeper:

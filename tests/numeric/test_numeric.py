@@ -6,7 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcss_hat.numeric import angles, jit, rng, wire
+from rcss_hat.numeric import angles, rng, wire
+from rcss_hat.numeric.sources import _imports, source_digest
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e15, max_value=1e15))
@@ -67,9 +68,9 @@ def test_normalize_radians_leaves_both_ends() -> None:
 
 
 def test_fingerprint_covers_imported_modules() -> None:
-    assert jit.fingerprint("rcss_hat.numeric.wire") != jit.fingerprint("rcss_hat.numeric.angles")
-    assert "rcss_hat.numeric.jit" in jit._imports("from rcss_hat.numeric.jit import njit\n")
-    assert "rcss_hat.numeric.rng" in jit._imports("from rcss_hat.numeric import (\n    rng,\n    wire,\n)\n")
+    assert source_digest("rcss_hat.numeric.wire") != source_digest("rcss_hat.numeric.angles")
+    assert "rcss_hat.numeric.jit" in _imports("from rcss_hat.numeric.jit import njit\n")
+    assert "rcss_hat.numeric.rng" in _imports("from rcss_hat.numeric import (\n    rng,\n    wire,\n)\n")
 
 
 @given(st.floats(-1000, 1000), st.floats(-1000, 1000))
@@ -84,15 +85,14 @@ def test_quick_atan2_is_exact_on_axes_and_diagonals() -> None:
     assert angles.quick_atan2(0.0, 0.0) == 0.0
 
 
-def test_a_module_that_was_never_compiled_is_not_cached(monkeypatch, tmp_path) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(jit, "cache_root", lambda: tmp_path)
-    settings = jit.config
-    if settings.DISABLE_JIT or settings.CACHE_DIR:
-        assert jit.is_cached("rcss_hat.numeric.wire")
-        return
-    assert not jit.is_cached("rcss_hat.numeric.wire")
-    folder = tmp_path / f"rcss_hat.numeric.wire-{jit.fingerprint('rcss_hat.numeric.wire')}"
-    folder.mkdir()
-    assert not jit.is_cached("rcss_hat.numeric.wire")
-    (folder / "x.nbi").touch()
-    assert jit.is_cached("rcss_hat.numeric.wire")
+@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3.1, 3.1), st.sampled_from([0.0, 0.5, -1.0]))
+def test_cut_degrees_are_those_of_the_exact_arctangent(x: float, y: float, body: float, neck: float) -> None:
+    heading = math.atan2(y, x) if x or y else 0.0
+    assert angles.cut_degrees(x, y, body, neck) == int(angles.normalize_radians(heading - body - neck) * angles.RAD)
+
+
+def test_whole_degrees_are_not_cut_below_themselves() -> None:
+    for degrees in range(-180, 181):
+        way = degrees * angles.DEG
+        exact = int(angles.normalize_radians(math.atan2(math.sin(way), math.cos(way)) - 0.0) * angles.RAD)
+        assert angles.cut_degrees(math.cos(way), math.sin(way), 0.0, 0.0) == exact

@@ -35,7 +35,7 @@ def choose_cycle_plainly(agent):
         point = np.array(motion.ball_after(agent, PARAMS, t))
         velocity = agent["ball_vel"][0] if before is None else point - before
         before = point
-        if math.dist(motion.roll_out(agent, PARAMS, min(t, 4)), point) / TOP > t + KICK_DIST:
+        if math.dist(motion.roll_out(agent, min(t, 4)), point) / TOP > t + KICK_DIST:
             continue
         off = miss(agent, *point, t)
         if off >= KICK_DIST:

@@ -4,7 +4,7 @@ import pickle
 
 import pytest
 
-from rcss_hat.protocol.errors import LocalProtocolError, ProtocolError, RemoteProtocolError
+from rcss_hat.protocol.errors import LINE, LocalProtocolError, ProtocolError, RemoteProtocolError, one_line
 
 
 def test_the_common_kind_is_abstract() -> None:
@@ -32,3 +32,26 @@ def test_remote_errors_survive_pickling() -> None:
 
 def test_remote_errors_need_no_message() -> None:
     assert str(RemoteProtocolError("the server refuses")) == "the server refuses"
+
+
+@pytest.mark.parametrize(
+    ("sent", "shown"),
+    [
+        ("\x1b]0;title\x07", "\\x1b]0;title\\x07"),
+        ("two\r\nlines", "two\\r\\nlines"),
+        ("\x9b31m", "\\x9b31m"),
+        ("left \u202e right", "left \\u202e right"),
+        ("\ud800", "\\ud800"),
+        ("größer 東京 ± 1", "größer 東京 ± 1"),
+    ],
+)
+def test_what_others_sent_is_shown_escaped(sent: str, shown: str) -> None:
+    assert one_line(sent) == shown
+    assert str(RemoteProtocolError(sent)) == shown
+
+
+def test_a_line_has_a_limit() -> None:
+    assert one_line("x" * LINE) == "x" * LINE
+    for text in ("x" * 5000, "\x1b" * 5000, "ä" * (LINE + 1)):
+        assert len(one_line(text)) == LINE and one_line(text).endswith("...")
+    assert len(str(RemoteProtocolError("y" * 4000, b"\xff" * 5000, 2500))) == LINE

@@ -1,120 +1,101 @@
 from __future__ import annotations
 
+from itertools import permutations
+
 import pytest
 
 from rcss_hat.protocol import messages
-from rcss_hat.protocol.commands import Bye, Compression, Dash, Done, Init, Say, Start, Turn, parse_init
+from rcss_hat.protocol.commands import Init, Reconnect, parse_init
 from rcss_hat.protocol.errors import LocalProtocolError, RemoteProtocolError
-from rcss_hat.protocol.session import PlayerSession, State
+from rcss_hat.protocol.session import KEPT, Handshake, State
 
 from .recorded import received
 
+PLACE = b"(init r 3 before_kick_off)\0"
+PARAMS = b"(server_param (synch_mode 1))\0"
+SENSE = b"(sense_body 0 (view_mode high normal) (stamina 8000 1) (speed 0 0))\0"
+SEE = b"(see 0)\0"
+KNOWN = b"(error only_init_allowed_on_init_port)\0"
 
-def joined() -> PlayerSession:
-    session = PlayerSession()
-    session.initialise("keepers")
-    session.receive_data(b"(init r 3 before_kick_off)\0")
-    return session
+
+def told(*data: bytes) -> Handshake:
+    handshake = Handshake("keepers", 11)
+    for datagram in data:
+        handshake.receive(datagram)
+    return handshake
 
 
 def test_joining() -> None:
-    session = PlayerSession()
-    assert parse_init(session.initialise("keepers", 11, goalie=True)) == Init("keepers", 11, True)
-    assert session.state is State.JOINING
-    session.receive_data(b"(init r 3 before_kick_off)\0")
-    assert (session.state, session.side, session.unum, session.mode) == (State.PLAYING, "r", 3, "before_kick_off")
-    assert session.send(Turn(5), Say("x")) == b'(turn 5)(say "x")\0'
+    handshake = Handshake("keepers", 11)
+    assert parse_init(handshake.request) == Init("keepers", 11)
+    assert handshake.state is State.ASKING
+    handshake.receive(PLACE)
+    assert (handshake.state, handshake.joined) == (State.PLACED, False)
+    handshake.receive(PARAMS)
+    assert handshake.joined
+    assert handshake.place == messages.Init(side="r", unum=3, mode="before_kick_off")
+    assert handshake.told() == [PARAMS]
 
 
-def test_a_refused_player_may_try_again() -> None:
-    session = PlayerSession()
-    session.initialise("keepers")
-    event = session.receive_data(b"(error no_more_team)")
-    assert event == messages.Error(text="no_more_team")
-    assert session.state is State.NEW
-    session.initialise("takers")
-    assert session.team == "takers"
+def test_whatever_overtakes_is_kept_and_told_in_the_right_order() -> None:
+    for order in permutations([PLACE, PARAMS, SENSE]):
+        handshake = told(*order)
+        assert handshake.joined
+        assert handshake.place is not None and handshake.place.unum == 3
+        assert handshake.told() == [PARAMS, SENSE]
+    assert told(SEE, SENSE, PARAMS, PLACE).told() == [PARAMS, SEE, SENSE]
+
+
+def test_what_was_doubled_changes_nothing() -> None:
+    handshake = told(PLACE, PLACE, KNOWN, PARAMS, KNOWN, PLACE, PARAMS, SENSE)
+    assert handshake.told() == [PARAMS, SENSE]
+    assert handshake.state is State.JOINED
+
+
+def test_an_answer_to_a_repeated_init_is_no_refusal() -> None:
+    handshake = told(KNOWN)
+    assert handshake.state is State.ASKING
+    handshake.receive(PLACE)
+    assert handshake.state is State.PLACED
+
+
+def test_a_refused_player_is_told_why() -> None:
+    with pytest.raises(RemoteProtocolError, match="the server refuses 'keepers': no_more_team"):
+        told(b"(error no_more_team)\0")
+    told(PLACE, b"(error no_more_team)\0", PARAMS)  # of one that was doubled
 
 
 def test_coming_back() -> None:
-    session = PlayerSession()
-    assert session.reconnect("keepers", 3) == b"(reconnect keepers 3)\0"
-    session.receive_data(b"(reconnect l drop_ball)")
-    assert (session.state, session.side, session.unum, session.mode) == (State.PLAYING, "l", 3, "drop_ball")
+    handshake = Handshake("keepers", 11, 3)
+    assert parse_init(handshake.request) == Reconnect("keepers", 3)
+    handshake.receive(PARAMS)
+    handshake.receive(b"(reconnect l drop_ball)\0")
+    assert handshake.place == messages.Init(side="l", unum=3, mode="drop_ball")
+    with pytest.raises(RemoteProtocolError, match="asked for a new place"):
+        told(b"(reconnect l drop_ball)\0")
 
 
-def test_nothing_may_be_sent_before_joining() -> None:
-    session = PlayerSession()
-    with pytest.raises(LocalProtocolError, match="Dash is not allowed in state new; allowed: Init, Reconnect"):
-        session.send(Dash(50))
-    session.initialise("keepers")
-    with pytest.raises(LocalProtocolError, match="state joining"):
-        session.send(Done())
-    assert session.initialise("keepers")  # the first may have been lost
+def test_nobody_plays_before_joining() -> None:
+    with pytest.raises(LocalProtocolError, match="'keepers' has not joined"):
+        told(PLACE, SENSE).told()
 
 
-def test_nothing_may_be_sent_after_leaving() -> None:
-    session = joined()
-    with pytest.raises(LocalProtocolError, match="state gone; allowed: nothing"):
-        session.send(Bye(), Turn(5))
-    assert session.state is State.PLAYING
-    session.send(Turn(5), Bye())
-    assert session.state is State.GONE
-    with pytest.raises(LocalProtocolError, match="Turn is not allowed"):
-        session.send(Turn(5))
-    session.receive_data(b"(see 5)")
+def test_what_is_kept_has_a_limit() -> None:
+    handshake = told(*[b"(see %d)\0" % cycle for cycle in range(3 * KEPT)], PLACE, PARAMS)
+    assert handshake.told() == [PARAMS, *[b"(see %d)\0" % cycle for cycle in range(2 * KEPT, 3 * KEPT)]]
 
 
-def test_what_players_do_not_send() -> None:
-    session = joined()
-    for command in (Init("keepers"), Start()):
-        with pytest.raises(LocalProtocolError, match="allowed: Bye, Command"):
-            session.send(command)
-    with pytest.raises(LocalProtocolError, match="does not compress"):
-        session.send(Compression(5))
-    with pytest.raises(LocalProtocolError, match="power"):
-        session.send(Dash(500))
-    assert session.state is State.PLAYING
-
-
-def test_what_servers_do_not_send() -> None:
-    session = PlayerSession()
-    with pytest.raises(RemoteProtocolError, match="Think is not allowed in state new"):
-        session.receive_data(b"(think)")
-    session.initialise("keepers")
-    with pytest.raises(RemoteProtocolError, match="allowed: Error, Init, Reconnect"):
-        session.receive_data(b"(see 5)")
-
-
-def test_the_play_mode_follows_the_referee() -> None:
-    session = joined()
-    for text, mode in (
-        ("(hear 0 referee play_on)", "play_on"),
-        ("(hear 9 referee training Keepaway 1)", "play_on"),
-        ('(hear 9 self "drop_ball")', "play_on"),
-        ("(hear 36 referee drop_ball)", "drop_ball"),
-        ("(hear 40 referee goal_l_2)", "goal_l"),
-    ):
-        session.receive_data(text.encode())
-        assert session.mode == mode
+def test_a_malformed_message_is_named() -> None:
+    with pytest.raises(RemoteProtocolError, match="at byte"):
+        told(b"(init l")
 
 
 def test_a_recorded_conversation() -> None:
-    session = PlayerSession()
-    session.initialise("left")
+    handshake = Handshake("left", 11)
     for datagram in received():
         if datagram.file == "versions" and datagram.client == "k_v19":
-            session.receive_data(datagram.text.encode() + b"\0")
-    assert (session.side, session.unum) == ("l", 8)
-    assert session.params is not None
-    assert session.params["coach_w_referee"] is True
-    assert session.player_param is not None
-    assert session.player_param.values["player_types"] == 3
-    assert 0 in session.player_types
-    assert session.types[4] == 1
-
-
-def test_see_messages_know_the_own_team() -> None:
-    event = joined().receive_data(b'(see 5 ((p "keepers" 2) 1 2))')
-    assert isinstance(event, messages.See)
-    assert event.record["team"][0, 0] == 1
+            handshake.receive(datagram.text.encode() + b"\0")
+    assert handshake.place is not None
+    assert (handshake.place.side, handshake.place.unum) == ("l", 8)
+    assert handshake.params is not None
+    assert b"(coach_w_referee 1)" in handshake.params

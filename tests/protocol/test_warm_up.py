@@ -4,7 +4,8 @@ import os
 
 import pytest
 
-from rcss_hat.protocol import _action_bytes, hear, messages, records, see, sense_body
+from rcss_hat.protocol import hear, messages, records, see, sense_body
+from rcss_hat.protocol.commands import action
 from rcss_hat.protocol.warm_up import warm_up
 
 from .recorded import received
@@ -13,7 +14,7 @@ from .recorded import received
 @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
 def test_every_kernel_is_compiled_once_and_for_all() -> None:
     warm_up()
-    kernels = (see._parse, sense_body._parse, hear._parse, _action_bytes._write)
+    kernels = (see._parse, sense_body._parse, hear._parse, action._write)
     assert [len(kernel.signatures) for kernel in kernels] == [1, 1, 1, 1]  # type: ignore[attr-defined]
     heard = records.empty(records.HEARD)
     for datagram in received()[:300]:

@@ -8,10 +8,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from rcss_hat.hat.policy import python_policy
 from rcss_hat.keepaway.report import Episode
+from rcss_hat.keepaway.task import Task
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.stage.stages import Stage as PlayStage
+from rcss_hat.stage.stages import open_stage
 from rcss_hat.viewer.audience import Audience, WatchError
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.frames import Frame, Player, Setup, Snapshot
 from rcss_hat.viewer.narrator import make_frame
+from rcss_hat.viewer.server import Viewer
+from rcss_hat.viewer.terminal import Terminal
 
 DATA = Path(__file__).parents[1] / "data" / "viewer"
 SETUP = Setup("test")
@@ -67,6 +75,20 @@ async def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
     async with asyncio.timeout(seconds):
         while not condition():
             await asyncio.sleep(0.002)
+
+
+def end(audience: Viewer | Terminal, episode: Episode) -> None:
+    """An episode ends: the stage tells the demonstrator, and the source who watches."""
+    assert audience.controls is not None
+    audience.controls.ended([episode], episode.end)
+    audience.episode(episode)
+
+
+def played_by(demonstrator: Demonstrator, seed: int, task: Task | None = None) -> PlayStage:
+    """A match in the arena that a person plays."""
+    task = task or Task()
+    policy = python_policy(demonstrator.answer, task.keepers, task.takers, "person")
+    return open_stage(Place(ARENA), task, seed, policy)
 
 
 FIELD = {"l1": (0.0, 0.0), "l2": (5.0, 0.0), "l3": (0.0, 6.0), "r1": (-5.0, 0.0), "r2": (-6.0, 0.0)}

@@ -7,16 +7,18 @@ import pytest
 
 from rcss_hat.hat.policy import TeamPolicy, load_policy
 from rcss_hat.keepaway.task import Task
-from rcss_hat.viewer.arena_game import ArenaGame
-from rcss_hat.viewer.arena_reel import ArenaReel
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.stage.stages import open_stage
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.episodes import EpisodeTracker
 from rcss_hat.viewer.playback import Playback
 from rcss_hat.viewer.situation import situation, state_variables
+from rcss_hat.viewer.stage_game import StageGame
+from rcss_hat.viewer.stage_reel import StageReel
 from rcss_hat.viewer.values import values_of
 
-from .audience import Remembering, until
+from .audience import Remembering, played_by, until
 
 
 def policy(name: str, task: Task, seed: int = 1) -> TeamPolicy:
@@ -24,9 +26,9 @@ def policy(name: str, task: Task, seed: int = 1) -> TeamPolicy:
 
 
 @pytest.fixture(scope="module")
-def reel() -> ArenaReel:
+def reel() -> StageReel:
     task = Task()
-    reel = ArenaReel(task, 1, policy("hand", task), episodes=12)
+    reel = StageReel(open_stage(Place(ARENA), task, 1, policy("hand", task)), episodes=12)
 
     async def play() -> None:
         while not reel.complete:
@@ -36,7 +38,7 @@ def reel() -> ArenaReel:
     return reel
 
 
-def test_a_match_of_the_arena_is_a_reel(reel: ArenaReel) -> None:
+def test_a_match_of_the_arena_is_a_reel(reel: StageReel) -> None:
     assert len(reel.episodes) == 12
     times = [scene.snapshot.time for scene in reel.scenes]
     assert times == list(range(times[0], times[0] + len(times))) and times[-1] == reel.episodes[-1].end
@@ -46,7 +48,7 @@ def test_a_match_of_the_arena_is_a_reel(reel: ArenaReel) -> None:
     assert max(bodies) <= 180.0 and min(bodies) >= -180.0 and max(bodies) > 90.0
 
 
-def test_what_the_tracker_sees_is_what_the_referee_decided(reel: ArenaReel) -> None:
+def test_what_the_tracker_sees_is_what_the_referee_decided(reel: StageReel) -> None:
     tracker = EpisodeTracker(reel.setup)
     seen = [e for scene in reel.scenes if (e := tracker.see(scene.snapshot)) is not None]
     assert seen == reel.episodes
@@ -55,7 +57,7 @@ def test_what_the_tracker_sees_is_what_the_referee_decided(reel: ArenaReel) -> N
         assert (first.episode, first.start) == (episode.number, episode.start)
 
 
-def test_thoughts_belong_to_the_keeper_with_the_ball(reel: ArenaReel) -> None:
+def test_thoughts_belong_to_the_keeper_with_the_ball(reel: StageReel) -> None:
     """What a keeper perceives is near the truth that the viewer computes, variable by variable."""
     differences = []
     for scene in reel.scenes:
@@ -73,8 +75,8 @@ def test_thoughts_belong_to_the_keeper_with_the_ball(reel: ArenaReel) -> None:
 
 async def test_a_person_plays_the_arena_at_real_time_pace() -> None:
     task = Task()
-    demonstration = Demonstration(KeyChannel(), None, 4)
-    game = ArenaGame(task, 5, policy("hold", task), demonstration, speed=10.0)
+    demonstration = Demonstrator(KeyChannel(), None, 4)
+    game = StageGame(played_by(demonstration, 5, task), demonstration, speed=10.0)
     audience = Remembering()
     passing = False
 
@@ -89,7 +91,6 @@ async def test_a_person_plays_the_arena_at_real_time_pace() -> None:
 
         def episode(self, episode):  # type: ignore[no-untyped-def]
             audience.episode(episode)
-            demonstration.episode_over(episode)
 
     assert not game.command("pause", 0)
     running = asyncio.create_task(game.run(Both()))
@@ -125,17 +126,18 @@ def test_values_of_a_learned_policy_are_those_it_plays_by() -> None:
     team = TeamPolicy("learned", brains, 3, 2)
     values = values_of(team)
     assert values is not None
-    before = brains.learners.copy()
+    before = brains.records.copy()
     state = np.linspace(2.0, 20.0, 13)
     found = values(2, state)
     assert found is not None and len(found) == 3 and found[2] > found[0] == found[1]
     assert values(1, state) == [0.0, 0.0, 0.0] and values(4, state) is None
-    assert (brains.learners == before).all()
+    assert (brains.records == before).all()
 
 
 async def test_a_growing_arena_match_is_played_back() -> None:
     task = Task()
-    playback = Playback(ArenaReel(task, 2, policy("random", task, 2), episodes=2), speed=100.0)
+    stage = open_stage(Place(ARENA), task, 2, policy("random", task, 2))
+    playback = Playback(StageReel(stage, episodes=2), speed=100.0)
     audience = Remembering()
     running = asyncio.create_task(playback.run(audience))
     await until(lambda: not playback.playing, 300.0)

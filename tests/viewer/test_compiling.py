@@ -8,26 +8,25 @@ from collections.abc import Callable
 import pytest
 
 from rcss_hat.arena.match import ArenaMatch
-from rcss_hat.hat.policy import load_policy
-from rcss_hat.keepaway.task import Task
-from rcss_hat.viewer.arena_game import ArenaGame
-from rcss_hat.viewer.arena_reel import ArenaReel
 from rcss_hat.viewer.audience import Source
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.playback import Playback
 from rcss_hat.viewer.server import serve
+from rcss_hat.viewer.stage_game import StageGame
+from rcss_hat.viewer.stage_reel import StageReel
 
-from .audience import until
+from .audience import played_by, until
 from .test_server import Page
 
 
 def to_play() -> Source:
-    return ArenaGame(Task(), 1, load_policy("hold", 3, 2, 1), Demonstration(KeyChannel(), None))
+    demonstrator = Demonstrator(KeyChannel(), None)
+    return StageGame(played_by(demonstrator, 1), demonstrator)
 
 
 def to_watch() -> Source:
-    return Playback(ArenaReel(Task(), 1, load_policy("hold", 3, 2, 1), 1))
+    return Playback(StageReel(played_by(Demonstrator(KeyChannel(), None), 1), 1))
 
 
 @pytest.mark.parametrize("source", [to_play, to_watch])

@@ -119,3 +119,34 @@ def test_a_team_mate_who_got_the_ball_himself_is_no_target() -> None:
 def test_actions_must_be_hold_and_passes(actions: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="at least one pass"):
         KeyChannel(actions)
+
+
+def seen(keys: KeyChannel, time: int, ball: tuple[float, float] = AT_L1) -> int | None:
+    """What a frame says of a key that came too late."""
+    shown = frame(time, ball)
+    keys.observe(shown)
+    return shown["lapsed"]
+
+
+def test_a_key_that_nobody_took_up_is_shown_for_a_while() -> None:
+    keys = KeyChannel()
+    assert seen(keys, 1) is None
+    keys.press(2)
+    assert [seen(keys, 2, LOOSE), seen(keys, 9, LOOSE), seen(keys, 10, LOOSE)] == [2, 2, None]
+    keys.press(1)
+    assert [seen(keys, 15, LOOSE), seen(keys, 16, LOOSE)] == [None, 1], "it waited for a keeper"
+    assert seen(keys, 3) is None, "another match"
+
+
+def test_keys_that_were_played_or_taken_back_do_not_lapse() -> None:
+    keys = KeyChannel()
+    seen(keys, 1)
+    keys.press(2)
+    keys.press(0)
+    assert seen(keys, 2, LOOSE) is None
+    seen(keys, 20)
+    keys.press(1)
+    assert keys.take(1, 20, STATE) == 1
+    keys.press(1)  # once more for the same pass
+    assert seen(keys, 21, LOOSE) is None and keys.pending is None
+    assert keys.presses == 4

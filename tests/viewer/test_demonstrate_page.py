@@ -20,12 +20,12 @@ from rcss_hat.hat.demonstrations import DemonstrationInfo, DemonstrationSet
 from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.report import OUT, Episode
 from rcss_hat.keepaway.task import Task
-from rcss_hat.viewer.arena_game import ArenaGame
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.server import Viewer, serve
+from rcss_hat.viewer.stage_game import StageGame
 
-from .audience import Stage
+from .audience import Stage, end, played_by
 from .conftest import OpenPage
 from .test_page import COUNT_PICTURES, until
 
@@ -45,16 +45,16 @@ class Decision:
     action: int
 
 
-class Logged(Demonstration):
+class Logged(Demonstrator):
     """A demonstration that notes when its decisions were taken."""
 
     def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments)
         self.log: list[Decision] = []
 
-    def decide(self, keeper: int, cycle: int, status: int, reward: float, state: NDArray[np.float64]) -> int:
-        action = super().decide(keeper, cycle, status, reward, state)
-        self.log.append(Decision(time.time(), cycle, keeper, action))
+    def answer(self, state: NDArray[np.float64], info: dict[str, Any]) -> int:
+        action = super().answer(state, info)
+        self.log.append(Decision(time.time(), info["cycle"], info["keeper"], action))
         return action
 
     @property
@@ -67,9 +67,8 @@ async def arena(
     path: Path, episodes: int | None = None, speed: float = 1.0, seed: int = 3
 ) -> AsyncIterator[tuple[Viewer, Logged]]:
     """A match in the arena, to be demonstrated into a file."""
-    task = Task()
     demonstration = Logged(KeyChannel(), DemonstrationWriter(path, DemonstrationInfo("person", "arena")), episodes)
-    game = ArenaGame(task, seed, load_policy("hold", 3, 2, seed), demonstration, speed)
+    game = StageGame(played_by(demonstration, seed), demonstration, speed)
     async with await serve(game, demonstration, open_browser=False) as viewer:
         yield viewer, demonstration
     demonstration.close()
@@ -169,12 +168,12 @@ async def stage() -> Stage:
 
 
 @pytest_asyncio.fixture(loop_scope="module")
-async def demonstration() -> Demonstration:
-    return Demonstration(KeyChannel(), None, 20)
+async def demonstration() -> Demonstrator:
+    return Demonstrator(KeyChannel(), None, 20)
 
 
 @pytest_asyncio.fixture(loop_scope="module")
-async def viewer(stage: Stage, demonstration: Demonstration) -> AsyncIterator[Viewer]:
+async def viewer(stage: Stage, demonstration: Demonstrator) -> AsyncIterator[Viewer]:
     """A standing match: keeper 1 has the ball, keeper 2 to his right, keeper 3 below."""
     async with await serve(stage, demonstration, open_browser=False) as viewer:
 
@@ -188,7 +187,7 @@ async def viewer(stage: Stage, demonstration: Demonstration) -> AsyncIterator[Vi
         showing.cancel()
 
 
-async def asked(demonstration: Demonstration) -> int:
+async def asked(demonstration: Demonstrator) -> int:
     """What was asked for, once it is; takes it back."""
     async with asyncio.timeout(3.0):
         while demonstration.keys.pending is None:
@@ -199,7 +198,7 @@ async def asked(demonstration: Demonstration) -> int:
 
 
 async def test_the_page_tells_which_team_mate_each_key_means(
-    viewer: Viewer, open_page: OpenPage, demonstration: Demonstration
+    viewer: Viewer, open_page: OpenPage, demonstration: Demonstrator
 ) -> None:
     page = await open_page(viewer.url)
     await until(page, "document.querySelectorAll('#passes button').length === 3 && viewer.frames > 2")
@@ -217,7 +216,7 @@ async def test_the_page_tells_which_team_mate_each_key_means(
 
 
 async def test_arrows_clicks_taps_and_buttons_mean_the_same(
-    viewer: Viewer, open_page: OpenPage, demonstration: Demonstration
+    viewer: Viewer, open_page: OpenPage, demonstration: Demonstrator
 ) -> None:
     page = await open_page(viewer.url, 360, 740, has_touch=True)
     await until(page, "viewer.frames > 2")
@@ -243,7 +242,7 @@ async def test_arrows_clicks_taps_and_buttons_mean_the_same(
     assert demonstration.keys.pending is None
 
 
-async def test_keys_held_down_ask_once(viewer: Viewer, open_page: OpenPage, demonstration: Demonstration) -> None:
+async def test_keys_held_down_ask_once(viewer: Viewer, open_page: OpenPage, demonstration: Demonstrator) -> None:
     page = await open_page(viewer.url)
     await until(page, "viewer.frames > 2")
     await page.keyboard.down("1")
@@ -255,7 +254,7 @@ async def test_keys_held_down_ask_once(viewer: Viewer, open_page: OpenPage, demo
 
 
 async def test_limited_actions_offer_one_pass(stage: Stage, open_page: OpenPage) -> None:
-    limited = Demonstration(KeyChannel((0, 1)), None)
+    limited = Demonstrator(KeyChannel((0, 1)), None)
     async with await serve(stage, limited, open_browser=False) as viewer:
         page = await open_page(viewer.url)
         await until(page, "document.querySelectorAll('#passes button').length > 0")
@@ -270,7 +269,7 @@ async def test_limited_actions_offer_one_pass(stage: Stage, open_page: OpenPage)
         await page.close()
 
 
-async def test_a_second_browser_cannot_play(viewer: Viewer, open_page: OpenPage, demonstration: Demonstration) -> None:
+async def test_a_second_browser_cannot_play(viewer: Viewer, open_page: OpenPage, demonstration: Demonstrator) -> None:
     first = await open_page(viewer.url)
     await until(first, "viewer.frames > 0")
     assert await first.inner_text("#connection") == "you play"
@@ -289,7 +288,7 @@ async def test_a_second_browser_cannot_play(viewer: Viewer, open_page: OpenPage,
 
 
 async def test_the_recording_is_steered_by_keys(
-    viewer: Viewer, open_page: OpenPage, demonstration: Demonstration
+    viewer: Viewer, open_page: OpenPage, demonstration: Demonstrator
 ) -> None:
     page = await open_page(viewer.url)
     await until(page, "viewer.frames > 0")
@@ -300,7 +299,7 @@ async def test_the_recording_is_steered_by_keys(
     await text("Practice")
     press = page.keyboard.press
     assert await page.is_disabled("#drop-last")
-    viewer.episode(Episode(1, 0, 30, OUT))
+    end(viewer, Episode(1, 0, 30, OUT))
     await until(page, "!document.getElementById('drop-last').disabled")
     await press("l")
     await until(page, "viewer.status.last_dropped && viewer.status.kept === 0")
@@ -309,7 +308,7 @@ async def test_the_recording_is_steered_by_keys(
     await press("d")
     await text("this one will be dropped")
     assert await page.get_attribute("#drop", "aria-pressed") == "true"
-    viewer.episode(Episode(2, 30, 60, OUT))
+    end(viewer, Episode(2, 30, 60, OUT))
     await until(page, "viewer.status.dropped === 1")
     await press("p")
     await text("paused")
@@ -356,10 +355,11 @@ PLAY = """() => {
 
 @pytest.mark.slow
 async def test_a_demonstration_recorded_through_the_page_trains_hat(tmp_path: Path, open_page: OpenPage) -> None:
-    """Demonstration, decision list, transfer."""
-    from rcss_hat.experiments.training import RunConfig, TrainingRun
+    """Demonstrator, decision list, transfer."""
+    from rcss_hat.experiments.run_folder import RunConfig
+    from rcss_hat.experiments.training import TrainingRun
     from rcss_hat.hat.summarize import summarize
-    from rcss_hat.hat.transfer.registry import make_method
+    from rcss_hat.hat.transfer.making import make_method
     from rcss_hat.learning.config import load_config
 
     async with arena(tmp_path / "demo.csv", episodes=5, speed=5.0) as (viewer, demonstration):

@@ -6,6 +6,8 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from rcss_hat.keepaway.decision import Decision
+from rcss_hat.stage.connection import Connection
 from rcss_hat.viewer.audience import WatchError
 from rcss_hat.viewer.live import MonitorSource
 from rcss_hat.viewer.narrator import Insight
@@ -74,7 +76,7 @@ async def test_a_server_is_watched_as_a_monitor() -> None:
     recorded = datagrams("monitor-v5.txt.gz")[:140]
     async with server(recorded) as game:
         audience, insight = Remembering(), Insight()
-        insight.decided(3, 30, [1.5] * 13, 0)
+        insight.decided(Decision(30, 3, (1.5,) * 13, 0))
         source = MonitorSource("127.0.0.1", game.port, insight)
         task = await watch(source, audience)
         await until(lambda: audience.frames and audience.frames[-1]["time"] >= 110)
@@ -109,6 +111,19 @@ async def test_a_server_that_refuses_is_named_with_what_it_said() -> None:
     async with server([b"(error illegal_client_version)"]) as game:
         with pytest.raises(WatchError, match=r"refuses a monitor of version 4.*illegal_client_version"):
             await MonitorSource("127.0.0.1", game.port).run(Remembering())
+
+
+@pytest.mark.parametrize("where", [0, 1, 10])
+async def test_a_server_that_was_greeted_twice_does_not_refuse(where: int) -> None:
+    """It was slow to answer, and says so of the second greeting, perhaps first of all."""
+    recorded = datagrams("monitor-v5.txt.gz")[:20]
+    recorded.insert(where, b"(error only_init_allowed_on_init_port)")
+    async with server(recorded) as game:
+        audience = Remembering()
+        task = await watch(MonitorSource("127.0.0.1", game.port), audience)
+        await until(lambda: len(audience.frames) >= 19)
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
 
 
 async def test_no_server_is_an_error_that_says_where() -> None:
@@ -164,10 +179,11 @@ class OneMoment:
 async def test_a_datagram_in_the_last_moment_does_not_keep_us_watching(monkeypatch: pytest.MonkeyPatch) -> None:
     stream, first, *_ = OneMoment(), *datagrams("monitor-v5.txt.gz")
 
-    async def connect(source: MonitorSource) -> tuple[OneMoment, Address, bytes]:
-        return stream, ("127.0.0.1", 6000), first
+    async def connect(connection: Connection, greeting: bytes, attempts: int, pause: float) -> bytes:
+        connection._stream = stream  # type: ignore[assignment]
+        return first
 
-    monkeypatch.setattr(MonitorSource, "_connect", connect)
+    monkeypatch.setattr(Connection, "open", connect)
     watching = asyncio.create_task(MonitorSource("127.0.0.1", 6000).run(Remembering()))
     await until(lambda: stream.waiting)
     assert stream.waiting is not None

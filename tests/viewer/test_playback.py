@@ -6,9 +6,10 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import OUT, Episode
 from rcss_hat.viewer.frames import Setup
-from rcss_hat.viewer.narrator import Thought, Values
+from rcss_hat.viewer.narrator import Values
 from rcss_hat.viewer.playback import Playback, Scene
 from rcss_hat.viewer.recording import read_recording
 
@@ -36,7 +37,7 @@ class GrowingReel:
         for _ in range(5):
             time = len(self.scenes)
             episode = time // 10 + 1
-            thoughts = {1: Thought(time, (0.0,) * 9, time % 3)}
+            thoughts = {1: Decision(time, 1, (0.0,) * 9, time % 3)}
             self.scenes.append(Scene(snapshot(time, (0.5, 0.0), **FIELD), episode, 10 * episode - 10, thoughts))
             if time and time % 10 == 0:
                 self.episodes.append(Episode(episode - 1, time - 10, time, OUT))

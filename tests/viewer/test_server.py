@@ -12,10 +12,10 @@ import pytest
 from rcss_hat.keepaway.report import OUT, Episode
 from rcss_hat.viewer.audience import WatchError
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.server import Viewer, serve, static_files
 
-from .audience import Stage, until
+from .audience import Stage, end, until
 
 
 class Page:
@@ -60,12 +60,12 @@ async def stage() -> Stage:
 
 
 @pytest.fixture
-async def controls() -> Demonstration:
-    return Demonstration(KeyChannel(), None, 3)
+async def controls() -> Demonstrator:
+    return Demonstrator(KeyChannel(), None, 3)
 
 
 @pytest.fixture
-async def viewer(stage: Stage, controls: Demonstration) -> AsyncIterator[Viewer]:
+async def viewer(stage: Stage, controls: Demonstrator) -> AsyncIterator[Viewer]:
     async with await serve(stage, controls, open_browser=False) as viewer:
         await until(lambda: stage.audience)
         yield viewer
@@ -140,7 +140,7 @@ async def test_it_listens_on_the_loopback_interface_only(viewer: Viewer) -> None
 
 
 async def test_the_first_browser_plays_and_the_second_watches(
-    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstration
+    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstrator
 ) -> None:
     player, watcher = await pages[0].open(), await pages[1].open()
     assert player.last("hello") == {"type": "hello", "role": "player", "demonstrate": True}
@@ -171,7 +171,7 @@ async def test_the_player_stays_the_player_when_the_page_is_loaded_again(viewer:
 
 
 async def test_the_person_is_there_while_a_page_of_the_player_is_open(
-    viewer: Viewer, pages: list[Page], controls: Demonstration
+    viewer: Viewer, pages: list[Page], controls: Demonstrator
 ) -> None:
     assert controls.away, "nobody has opened the link yet"
     player = await pages[0].open()
@@ -191,7 +191,7 @@ async def test_opening_the_link_without_connecting_takes_nothing(viewer: Viewer,
 
 
 async def test_frames_carry_what_the_person_asked_for(
-    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstration
+    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstrator
 ) -> None:
     page = await pages[0].open()
     stage.show(1)
@@ -210,7 +210,7 @@ async def test_frames_carry_what_the_person_asked_for(
 
 async def test_who_comes_later_is_told_everything(viewer: Viewer, pages: list[Page], stage: Stage) -> None:
     assert stage.audience is not None
-    stage.audience.episode(Episode(1, 0, 40, OUT))
+    end(viewer, Episode(1, 0, 40, OUT))
     stage.audience.notice("careful")
     stage.show(41)
     page = await pages[0].open()
@@ -224,7 +224,7 @@ async def test_who_comes_later_is_told_everything(viewer: Viewer, pages: list[Pa
 
 
 async def test_the_person_pauses_drops_and_finishes(
-    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstration
+    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstrator
 ) -> None:
     page = await pages[0].open()
     for command, key, value in (
@@ -250,7 +250,7 @@ async def test_playback_commands_reach_the_source(viewer: Viewer, pages: list[Pa
              '{"type": "demonstration", "value": "x"}', '{"type": "press", "value": 1.0}', "[" * 4000]
 )  # fmt: skip
 async def test_malformed_messages_are_refused_and_change_nothing(
-    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstration, text: str
+    viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstrator, text: str
 ) -> None:
     page = await pages[0].open()
     before = controls.status()

@@ -62,7 +62,7 @@ def test_half_a_frame_is_refused() -> None:
 def test_setup_comes_from_the_server_parameters() -> None:
     params = read(datagrams("monitor-v5.txt.gz")[0])
     assert isinstance(params, messages.ServerParam)
-    setup = setup_of(params, "here", ("blue", "red"))
+    setup = setup_of(params, "here", messages.Team(left="blue", right="red", left_score=0, right_score=0))
     assert (setup.title, setup.keepaway, setup.length, setup.width) == ("here", True, 20.0, 20.0)
     assert setup.reach == pytest.approx(1.085)
     assert (setup.step_s, setup.teams) == (0.1, ("blue", "red"))

@@ -4,8 +4,9 @@ import math
 
 import pytest
 
+from rcss_hat.keepaway.decision import Decision, overheard
 from rcss_hat.viewer.frames import Setup
-from rcss_hat.viewer.narrator import Insight, Narrator, Thought, choices, make_frame
+from rcss_hat.viewer.narrator import Insight, Narrator, choices, make_frame
 from rcss_hat.viewer.situation import around, arrow_keys, believed_mates, situation, state_variables
 
 from .audience import SETUP, player, snapshot
@@ -72,7 +73,7 @@ def test_believed_order_follows_the_keepers_own_view() -> None:
     assert believed_mates(here, believed) == ["l3", "l2"]
     # A state of another task says nothing.
     assert believed_mates(here, believed[:-1]) == ["l2", "l3"]
-    shown = choices(here, Thought(3, tuple(believed), 0))
+    shown = choices(here, Decision(3, 1, tuple(believed), 0))
     assert [(c["action"], c["name"], c["mate"]) for c in shown] == [(1, "PASS1", "l3"), (2, "PASS2", "l2")]
 
 
@@ -84,7 +85,7 @@ def test_a_frame_tells_true_positions_unless_the_keeper_is_known() -> None:
     assert frame["state"] is not None and frame["state"][1] == 5.0 and frame["values"] is None
     own = tuple(float(k) for k in range(13))
     insight = Insight(values=lambda keeper, state: [keeper, sum(state), 0.0])
-    insight.decided(1, 9, own, 2)
+    insight.decided(Decision(9, 1, tuple(own), 2))
     known = make_frame(shot, SETUP, 3, 4, insight.thought, insight.values)
     assert (known["seen"], known["action"], known["state"]) == (True, 2, list(own))
     assert known["values"] == [1.0, 78.0, 0.0]
@@ -92,7 +93,7 @@ def test_a_frame_tells_true_positions_unless_the_keeper_is_known() -> None:
 
 def test_an_old_thought_is_not_shown() -> None:
     insight = Insight()
-    insight.decided(1, 9, [1.0], 0)
+    insight.decided(Decision(9, 1, (1.0,), 0))
     assert insight.thought(1, 8) is None
     assert insight.thought(1, 9) is not None
     assert insight.thought(1, 12) is None
@@ -108,11 +109,11 @@ def test_insight_notes_the_decisions_of_a_policy_and_changes_none() -> None:
         return (lambda cycle, status, reward, state: number + 1), ended
 
     insight = Insight()
-    decide, after = insight.of(policy)(1)
+    decide, after = overheard(policy, insight.decided)(1)
     assert after is ended
     assert decide(5, 1, 1.0, np.array([1.0, 2.0])) == 2
     thought = insight.thought(2, 5)
-    assert thought == Thought(5, (1.0, 2.0), 2)
+    assert thought == Decision(5, 2, (1.0, 2.0), 2)
 
 
 def test_an_ordinary_match_has_a_holder_and_nothing_of_keepaway() -> None:

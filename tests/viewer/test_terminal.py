@@ -12,14 +12,14 @@ import pytest
 from rcss_hat.keepaway.report import OUT, Episode
 from rcss_hat.viewer.audience import Audience, WatchError
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstration import Demonstration
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.frames import Frame, Setup
 from rcss_hat.viewer.narrator import make_frame
 from rcss_hat.viewer.playback import Playback
 from rcss_hat.viewer.recording import read_recording
 from rcss_hat.viewer.terminal import Terminal, draw_pitch, read_keys
 
-from .audience import DATA, SETUP, snapshot, until
+from .audience import DATA, SETUP, end, snapshot, until
 
 FIELD = {"l1": (-8.0, -8.0), "l2": (8.0, -8.0), "l3": (0.0, 8.0), "r1": (-8.0, 8.0), "r2": (-4.0, 4.0)}
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
@@ -78,8 +78,8 @@ class Told:
         return True
 
 
-def demonstrating() -> tuple[Terminal, Demonstration]:
-    demonstration = Demonstration(KeyChannel(), None, 5)
+def demonstrating() -> tuple[Terminal, Demonstrator]:
+    demonstration = Demonstrator(KeyChannel(), None, 5)
     terminal = Terminal(Told(), demonstration, io.StringIO())
     terminal.setup(SETUP, True)
     terminal.frame(frame())
@@ -106,8 +106,8 @@ async def test_keys_steer_the_recording() -> None:
     assert not demonstration.paused
     terminal.press("d")
     assert demonstration.status()["dropping"]
-    terminal.episode(Episode(1, 0, 10, OUT))
-    terminal.episode(Episode(2, 10, 20, OUT))
+    end(terminal, Episode(1, 0, 10, OUT))
+    end(terminal, Episode(2, 10, 20, OUT))
     terminal.press("l")
     assert demonstration.status()["last_dropped"]
     terminal.press("f")
@@ -119,7 +119,7 @@ async def test_keys_steer_the_recording() -> None:
 
 async def test_the_figures_tell_episode_score_and_recording() -> None:
     terminal, _ = demonstrating()
-    terminal.episode(Episode(1, 0, 45, OUT))
+    end(terminal, Episode(1, 0, 45, OUT))
     terminal.press("2")
     terminal.frame(frame())
     terminal.notice("careful")
@@ -171,7 +171,7 @@ async def test_keys_are_read_from_a_real_terminal(monkeypatch: pytest.MonkeyPatc
     before = termios.tcgetattr(inner)
     with os.fdopen(inner, "r") as stdin:
         monkeypatch.setattr(sys, "stdin", stdin)
-        demonstration = Demonstration(KeyChannel(), None)
+        demonstration = Demonstrator(KeyChannel(), None)
 
         class Still(Told):
             async def run(self, audience: Audience) -> None:
@@ -189,3 +189,16 @@ async def test_keys_are_read_from_a_real_terminal(monkeypatch: pytest.MonkeyPatc
         await running
         assert termios.tcgetattr(stdin.fileno()) == before
     os.close(outer)
+
+
+async def test_a_terminal_asks_whether_anybody_is_there() -> None:
+    demonstration = Demonstrator(KeyChannel(), None)
+    terminal = Terminal(Told(), demonstration, io.StringIO())
+    terminal.setup(SETUP, True)
+    terminal.frame(frame())
+    for number in (1, 2, 3):
+        assert "Is anybody there?" not in "\n".join(terminal.text(100, 30))
+        end(terminal, Episode(number, 30 * number, 30 * number + 30, OUT))
+    assert "Is anybody there?" in "\n".join(terminal.text(100, 30)) and demonstration.standing
+    terminal.press("1")
+    assert not demonstration.standing and demonstration.keys.pending is None, "the key answered, and passed nothing"

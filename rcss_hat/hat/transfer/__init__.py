@@ -7,13 +7,14 @@
 'Probabilistic Policy Reuse: psi = 0.999 ** episodes'
 """
 
+from rcss_hat.hat.registry import METHODS
 from rcss_hat.hat.transfer.chat import CHAT
 from rcss_hat.hat.transfer.extra_action import ExtraAction
 from rcss_hat.hat.transfer.learners import KeeperLearner, Learners, warm_up
+from rcss_hat.hat.transfer.making import make_method, parameters
+from rcss_hat.hat.transfer.method import NO_ADVICE, TransferMethod
 from rcss_hat.hat.transfer.no_prior import NoPrior
 from rcss_hat.hat.transfer.ppr import PPR
-from rcss_hat.hat.transfer.record import NO_ADVICE, TransferMethod
-from rcss_hat.hat.transfer.registry import METHODS, make_method, parameters
 from rcss_hat.hat.transfer.replay import Decisions, Replay
 from rcss_hat.hat.transfer.value_bonus import ValueBonus
 

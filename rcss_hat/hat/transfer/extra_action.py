@@ -8,24 +8,22 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.hat.transfer.record import KIND_EXTRA_ACTION, NO_ADVICE, TransferMethod, check_count, method_record
+from rcss_hat.hat.transfer.method import NO_ADVICE, TransferMethod, check_count
 from rcss_hat.learning.exploration import NO_ACTION, epsilon_greedy
-from rcss_hat.learning.sarsa import exploration
-from rcss_hat.numeric.jit import kernel
+from rcss_hat.learning.sarsa import exploration, select_epsilon_greedily
 
 
-@kernel
 def select_extra_action(
-    method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int
+    method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int, confidence: float
 ) -> int:
     """Select the pseudo-action during the first C episodes, then epsilon-greedily among all actions and it.
 
     Without advice the pseudo-action means nothing and cannot be selected.
     """
-    pseudo = learner["n_actions"][0]
     if advice == NO_ADVICE:
-        return epsilon_greedy(rng, learner["q"][0], pseudo, exploration(learner), NO_ACTION, 0.0)
-    if learner["episodes"][0] < method["forced"][0]:
+        return select_epsilon_greedily(learner, rng)
+    pseudo = learner["n_actions"][0]
+    if learner["episodes"][0] < method["settings"][0, 0]:
         return pseudo
     return epsilon_greedy(rng, learner["q"][0], pseudo + 1, exploration(learner), NO_ACTION, 0.0)
 
@@ -43,6 +41,7 @@ class ExtraAction(TransferMethod):
 
     name: ClassVar[str] = "extra-action"
     n_extra_actions: ClassVar[int] = 1
+    select = staticmethod(select_extra_action)
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -52,6 +51,6 @@ class ExtraAction(TransferMethod):
         """Return one line for people."""
         return f"Extra Action: pseudo-action D, forced for {self.forced} episodes"
 
-    def to_record(self) -> NDArray[np.void]:
-        """Return the METHOD record, shape (1,)."""
-        return method_record(KIND_EXTRA_ACTION, forced=self.forced)
+    def settings(self) -> tuple[float, ...]:
+        """Return the numbers that the kernel gets."""
+        return (self.forced,)

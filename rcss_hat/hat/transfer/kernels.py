@@ -1,9 +1,7 @@
-"""The decision of a learning keeper, compiled: observe, select by the transfer method, learn.
+"""What a learner's decision is made of: observe, select by the transfer method, learn.
 
 These kernels are the whole interface of a learner to whoever plays, the arena or a player over UDP. The advice is
-D(s) as an action number, or `NO_ADVICE`; the confidence belongs to it and lies between 0 and 1. Arguments come in one
-order: the learner's record and random stream, the approximator's record and table, the learner's weights and traces,
-the method's record, then what happened.
+D(s) as an action number, or `NO_ADVICE`; the confidence belongs to it and lies between 0 and 1.
 """
 
 from __future__ import annotations
@@ -11,14 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.hat.transfer.chat import select_chat
-from rcss_hat.hat.transfer.extra_action import select_extra_action
-from rcss_hat.hat.transfer.no_prior import select_no_prior
-from rcss_hat.hat.transfer.ppr import select_ppr
-from rcss_hat.hat.transfer.record import KIND_CHAT, KIND_EXTRA_ACTION, KIND_PPR, KIND_VALUE_BONUS
-from rcss_hat.hat.transfer.value_bonus import select_value_bonus, target_bonus
-from rcss_hat.learning.sarsa import advance, begin, conclude, count_episode, observe
+from rcss_hat.hat.transfer.method import SELECT
+from rcss_hat.learning.sarsa import Learner, advance, begin, conclude, count_episode, observe
 from rcss_hat.numeric.jit import kernel
+
+_kernel_at = SELECT.at
 
 
 @kernel
@@ -26,16 +21,14 @@ def select(
     method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int, confidence: float
 ) -> int:
     """Select by the method of the record; the result is the row of the weights that gets the credit."""
-    kind = method["kind"][0]
-    if kind == KIND_PPR:
-        return select_ppr(method, learner, rng, advice)
-    if kind == KIND_VALUE_BONUS:
-        return select_value_bonus(method, learner, rng, advice)
-    if kind == KIND_EXTRA_ACTION:
-        return select_extra_action(method, learner, rng, advice)
-    if kind == KIND_CHAT:
-        return select_chat(method, learner, rng, advice, confidence)
-    return select_no_prior(learner, rng)
+    chosen = _kernel_at(method["select"][0])
+    return chosen(method, learner, rng, advice, confidence)
+
+
+@kernel
+def target_bonus(method: NDArray[np.void], selected: int, advice: int) -> float:
+    """Return what is added to Q of the selected action in the values that learning aims at."""
+    return method["bonus"][0] if selected == advice else 0.0
 
 
 @kernel
@@ -46,27 +39,13 @@ def executed_action(learner: NDArray[np.void], selected: int, advice: int) -> in
 
 @kernel
 def decide_first(
-    learner: NDArray[np.void],
-    rng: NDArray[np.uint64],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    method: NDArray[np.void],
-    state: NDArray[np.float64],
-    advice: int,
-    confidence: float,
+    learner: Learner, method: NDArray[np.void], state: NDArray[np.float64], advice: int, confidence: float
 ) -> int:
     """Take a keeper's first decision in an episode.
 
     Parameters
     ----------
-    learner : LEARNER, shape (1,)
-    rng : ndarray of uint64, shape (4,)
-    features : FEATURES, shape (1,)
-    table : ndarray of float64, shape (rows + 1, active)
-    weights : ndarray of float64, shape (actions, n_features)
-    traces : ndarray of float64, the shape of the weights or (0, 0)
+    learner : Learner
     method : METHOD, shape (1,)
     state : ndarray of float64, shape (n_variables,)
     advice : int
@@ -78,20 +57,15 @@ def decide_first(
     int
         The action to execute.
     """
-    observe(learner, features, table, weights, state)
-    selected = select(method, learner, rng, advice, confidence)
-    begin(learner, features, table, traces, selected, target_bonus(method, selected, advice))
-    return executed_action(learner, selected, advice)
+    observe(learner, state)
+    selected = select(method, learner.record, learner.rng, advice, confidence)
+    begin(learner, selected, target_bonus(method, selected, advice))
+    return executed_action(learner.record, selected, advice)
 
 
 @kernel
 def decide_step(
-    learner: NDArray[np.void],
-    rng: NDArray[np.uint64],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
+    learner: Learner,
     method: NDArray[np.void],
     reward: float,
     state: NDArray[np.float64],
@@ -99,25 +73,17 @@ def decide_step(
     confidence: float,
 ) -> int:
     """Take any later decision and learn from the reward (cycles) of the last one; see `decide_first`."""
-    observe(learner, features, table, weights, state)
-    selected = select(method, learner, rng, advice, confidence)
-    bonus = target_bonus(method, selected, advice)
-    advance(learner, features, table, weights, traces, reward, selected, bonus)
-    return executed_action(learner, selected, advice)
+    observe(learner, state)
+    selected = select(method, learner.record, learner.rng, advice, confidence)
+    advance(learner, reward, selected, target_bonus(method, selected, advice))
+    return executed_action(learner.record, selected, advice)
 
 
 @kernel
-def finish_episode(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
-    reward: float,
-) -> None:
+def finish_episode(learner: Learner, reward: float) -> None:
     """Tell a keeper that the episode is over.
 
     A keeper that acted learns from the ``reward``, the cycles since its last decision; every keeper counts the episode.
     """
-    conclude(learner, features, table, weights, traces, reward)
-    count_episode(learner)
+    conclude(learner, reward)
+    count_episode(learner.record)

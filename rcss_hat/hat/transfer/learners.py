@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,17 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rcss_hat.hat.transfer.kernels import decide_first, decide_step, finish_episode
-from rcss_hat.hat.transfer.record import KIND_CHAT, KIND_PPR, NO_ADVICE, TransferMethod
-from rcss_hat.hat.transfer.registry import make_method, parameters
+from rcss_hat.hat.transfer.making import make_method, parameters
+from rcss_hat.hat.transfer.method import METHOD, NO_ADVICE, TransferMethod
 from rcss_hat.hat.transfer.replay import Decisions, replay_decisions
-from rcss_hat.hat.transfer.reuse import reuse_probability
-from rcss_hat.learning.checkpoint import CheckpointError, load_checkpoint, save_checkpoint
+from rcss_hat.inputs import excerpt, item, whole
+from rcss_hat.learning.bounds import MAX_WEIGHT, check_learners
+from rcss_hat.learning.checkpoint import Checkpoint, CheckpointError, load_checkpoint, save_checkpoint
 from rcss_hat.learning.config import LearnerConfig
 from rcss_hat.learning.create import initial_traces, initial_weights, learner_record
 from rcss_hat.learning.exploration import NO_ACTION
 from rcss_hat.learning.features import Approximator
-from rcss_hat.learning.sarsa import LEARNER
+from rcss_hat.learning.sarsa import LEARNER, Learner
 from rcss_hat.numeric import rng
+from rcss_hat.numeric.bounds import BoundsError, check_streams, check_values
 
 KIND = "learners"
 
@@ -47,9 +48,6 @@ class Learners:
         Actions include pseudo-actions.
     traces : ndarray of float64, the shape of the weights, or (n_keepers, 0, 0) when lambda is 0
 
-    Notes
-    -----
-    Kernels take keeper k as ``records[k : k + 1]``, ``streams[k]``, ``weights[k]`` and ``traces[k]``.
     """
 
     config: LearnerConfig
@@ -91,6 +89,11 @@ class Learners:
             traces=np.stack([initial_traces(config, approximator, rows)] * n_keepers),
         )
 
+    def learner(self, k: int) -> Learner:
+        """Return keeper k (from 0) as kernels take it."""
+        own = self.records[k : k + 1], self.streams[k], self.approximator.record, self.approximator.table
+        return Learner(*own, self.weights[k], self.traces[k])
+
     def keeper(self, index: int) -> KeeperLearner:
         """Return one keeper's learner (from 0), for players that decide from Python."""
         if not 0 <= index < self.n_keepers:
@@ -110,9 +113,7 @@ class Learners:
     @property
     def psi(self) -> float:
         """Probability with which the next decision reuses the advice; nan for methods that do not work with one."""
-        if self.method_record["kind"][0] not in (KIND_PPR, KIND_CHAT):
-            return float("nan")
-        return float(reuse_probability(self.method_record, self.records[:1]))
+        return self.method.psi(self.records[:1])
 
     def set_mode(self, learning: bool, exploring: bool) -> None:
         """Switch learning and exploration of all keepers, between episodes.
@@ -125,25 +126,8 @@ class Learners:
         self.records["last_action"] = NO_ACTION
         self.records["episode_decisions"] = 0
 
-    @contextmanager
-    def evaluating(self, exploring: bool = False) -> Iterator[None]:
-        """Play without learning, and without exploring unless asked to, as long as the context lasts."""
-        before = self.records[["learning", "exploring"]].copy()
-        self.set_mode(learning=False, exploring=exploring)
-        try:
-            yield
-        finally:
-            self.set_mode(learning=False, exploring=False)
-            self.records["learning"], self.records["exploring"] = before["learning"], before["exploring"]
-
-    def replay(self, decisions: Decisions, passes: int | None = None) -> None:
-        """Teach every keeper the recorded decisions of all keepers.
-
-        Parameters
-        ----------
-        decisions : Decisions
-        passes : int, optional
-            By default what the method says; nothing happens for methods that do not replay.
+    def replay(self, decisions: Decisions, passes: int) -> None:
+        """Teach every keeper the recorded decisions of all keepers, so many times over.
 
         Raises
         ------
@@ -157,20 +141,9 @@ class Learners:
             )
         if decisions.actions.size and decisions.actions.max() >= self.n_keepers:
             raise ValueError(f"action {decisions.actions.max()} does not exist with {self.n_keepers} keepers")
-        features, table = self.approximator.record, self.approximator.table
         for k in range(self.n_keepers):
-            replay_decisions(
-                self.records[k : k + 1],
-                features,
-                table,
-                self.weights[k],
-                self.traces[k],
-                decisions.states,
-                decisions.actions,
-                decisions.rewards,
-                decisions.last,
-                self.method.replay_passes if passes is None else passes,
-            )
+            arrays = decisions.states, decisions.actions, decisions.rewards, decisions.last
+            replay_decisions(self.learner(k), *arrays, passes)
 
     def save(
         self,
@@ -207,7 +180,7 @@ class Learners:
             "streams": self.streams,
             "weights": self.weights,
             "traces": self.traces,
-            "method_record": self.method_record,
+            "method_record": _lasting(self.method_record),
         }
         taken = (own_header.keys() & (header or {}).keys()) | (own.keys() & (arrays or {}).keys())
         if taken:
@@ -224,27 +197,50 @@ class Learners:
             When the file does not hold learners of this version, or its arrays do not fit its settings.
         FileNotFoundError
         """
-        checkpoint = load_checkpoint(path)
-        header = checkpoint.header
+        return cls.from_checkpoint(load_checkpoint(path))
+
+    @classmethod
+    def from_checkpoint(cls, checkpoint: Checkpoint) -> Learners:
+        """Take the learners out of a checkpoint that was read.
+
+        Raises
+        ------
+        CheckpointError
+            When it does not hold learners of this version, or its arrays do not fit its settings.
+        """
+        path, header = checkpoint.path, checkpoint.header
         if header.get("kind") != KIND:
-            raise CheckpointError(f"{path} holds {header.get('kind')!r}, not {KIND!r}")
+            raise CheckpointError(f"{path} holds {excerpt(header.get('kind'))}, not {KIND!r}")
         try:
             fresh = cls.create(
-                LearnerConfig.from_dict(header["config"]),
-                make_method(header["method"], header["method_settings"]),
-                header["n_keepers"],
-                header["n_takers"],
-                header["seed"],
+                LearnerConfig.from_dict(item(header, "config", dict)),
+                make_method(item(header, "method", str), item(header, "method_settings", dict)),
+                whole(header, "n_keepers", low=3, high=11),
+                whole(header, "n_takers", low=2, high=11),
+                whole(header, "seed", high=2**128),
             )
-        except (KeyError, TypeError, ValueError) as problem:
+        except (KeyError, TypeError, ValueError, ArithmeticError) as problem:
             raise CheckpointError(f"{path}: the settings in the file are not valid: {problem}") from problem
-        if checkpoint.array("method_record", fresh.method_record.dtype, (1,)) != fresh.method_record:
-            raise CheckpointError(f"{path}: the method's record does not agree with its settings")
-        fresh.records = checkpoint.array("records", LEARNER, fresh.records.shape)
-        fresh.streams = checkpoint.array("streams", fresh.streams.dtype, fresh.streams.shape)
-        fresh.weights = checkpoint.array("weights", fresh.weights.dtype, fresh.weights.shape)
-        fresh.traces = checkpoint.array("traces", fresh.traces.dtype, fresh.traces.shape)
+        fresh._take_arrays(checkpoint)
         return fresh
+
+    def _take_arrays(self, checkpoint: Checkpoint) -> None:
+        """Take over the arrays of a checkpoint that was made with the same settings."""
+        path = checkpoint.path
+        if checkpoint.array("method_record", METHOD, (1,)) != _lasting(self.method_record):
+            raise CheckpointError(f"{path}: the method's record does not agree with its settings")
+        records = checkpoint.array("records", LEARNER, self.records.shape)
+        streams = checkpoint.array("streams", self.streams.dtype, self.streams.shape)
+        weights = checkpoint.array("weights", self.weights.dtype, self.weights.shape)
+        traces = checkpoint.array("traces", self.traces.dtype, self.traces.shape)
+        try:
+            check_learners(records, self.records, self.approximator, weights.shape[1])
+            check_streams("streams", streams)
+            check_values("weights", weights, -MAX_WEIGHT, MAX_WEIGHT)
+            check_values("traces", traces, 0.0, 1.0)
+        except BoundsError as problem:
+            raise CheckpointError(f"{path}: {problem}") from problem
+        self.records, self.streams, self.weights, self.traces = records, streams, weights, traces
 
 
 @dataclass(frozen=True, eq=False)
@@ -298,18 +294,21 @@ class KeeperLearner:
         if not NO_ADVICE <= advice < team.n_keepers:
             raise ValueError(f"advice must be an action from 0 to {team.n_keepers - 1} or {NO_ADVICE}, not {advice}")
         numbers = team.approximator.check_state(state)
-        own = (team.records[k : k + 1], team.streams[k], team.approximator.record, team.approximator.table)
-        memory = (team.weights[k], team.traces[k], team.method_record)
+        learner, method = team.learner(k), team.method_record
         if self.has_acted:
-            return int(decide_step(*own, *memory, float(reward), numbers, int(advice), float(confidence)))
-        return int(decide_first(*own, *memory, numbers, int(advice), float(confidence)))
+            return int(decide_step(learner, method, float(reward), numbers, int(advice), float(confidence)))
+        return int(decide_first(learner, method, numbers, int(advice), float(confidence)))
 
     def finish_episode(self, reward: float = 0.0) -> None:
         """Tell this keeper that the episode is over, ``reward`` cycles after its last decision if it took any."""
-        team, k = self.learners, self.index
-        approximator = team.approximator
-        record = team.records[k : k + 1]
-        finish_episode(record, approximator.record, approximator.table, team.weights[k], team.traces[k], float(reward))
+        finish_episode(self.learners.learner(self.index), float(reward))
+
+
+def _lasting(record: NDArray[np.void]) -> NDArray[np.void]:
+    """A method's record as another process would have it: without the address of its kernel."""
+    record = record.copy()
+    record["select"] = 0
+    return record
 
 
 def warm_up() -> None:

@@ -7,47 +7,47 @@ HAT paper names this as the nearest earlier work; it uses the demonstrations the
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rcss_hat.hat.transfer.record import KIND_REPLAY, TransferMethod, check_count, method_record
-from rcss_hat.learning.sarsa import advance, begin, conclude, has_acted, observe
+from rcss_hat.hat.transfer.method import TransferMethod, check_count
+from rcss_hat.hat.transfer.no_prior import select_no_prior
+from rcss_hat.learning.sarsa import Learner, advance, begin, conclude, has_acted, observe
 from rcss_hat.numeric.jit import kernel
+
+if TYPE_CHECKING:
+    from rcss_hat.hat.transfer.learners import Learners
 
 
 @kernel
 def replay_decisions(
-    learner: NDArray[np.void],
-    features: NDArray[np.void],
-    table: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    traces: NDArray[np.float64],
+    learner: Learner,
     states: NDArray[np.float64],
     actions: NDArray[np.int64],
     rewards: NDArray[np.float64],
     last: NDArray[np.bool_],
     passes: int,
 ) -> None:
-    """Update a learner with recorded decisions, in their order, several times over.
+    """Update a learner with recorded decisions (see `Decisions`), in their order, several times over.
 
-    Neither episodes nor decisions count, and schedules do not move. Arguments: those of `rcss_hat.learning.sarsa`, the
-    arrays of `Decisions`, and the number of passes.
+    Neither episodes nor decisions count, and schedules do not move.
     """
-    decisions, learning = learner["decisions"][0], learner["learning"][0]
-    learner["learning"][0] = 1
+    record = learner.record
+    decisions, learning = record["decisions"][0], record["learning"][0]
+    record["learning"][0] = 1
     for _ in range(passes):
         for i in range(states.shape[0]):
-            observe(learner, features, table, weights, states[i])
-            if has_acted(learner):
-                advance(learner, features, table, weights, traces, rewards[i - 1], actions[i], 0.0)
+            observe(learner, states[i])
+            if has_acted(record):
+                advance(learner, rewards[i - 1], actions[i], 0.0)
             else:
-                begin(learner, features, table, traces, actions[i], 0.0)
+                begin(learner, actions[i], 0.0)
             if last[i]:
-                conclude(learner, features, table, weights, traces, rewards[i])
-    learner["decisions"][0] = decisions
-    learner["learning"][0] = learning
+                conclude(learner, rewards[i])
+    record["decisions"][0] = decisions
+    record["learning"][0] = learning
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,20 +106,17 @@ class Replay(TransferMethod):
 
     name: ClassVar[str] = "replay"
     needs_advice: ClassVar[bool] = False
+    needs_decisions: ClassVar[bool] = True
+    select = staticmethod(select_no_prior)
 
     def __post_init__(self) -> None:
         """Check the settings."""
         check_count("passes", self.passes)
 
-    @property
-    def replay_passes(self) -> int:
-        """How often the demonstrations themselves are replayed before learning."""
-        return self.passes
+    def prepare(self, learners: Learners, decisions: Decisions) -> None:
+        """Teach every keeper the recorded decisions of all keepers."""
+        learners.replay(decisions, self.passes)
 
     def describe(self) -> str:
         """Return one line for people."""
         return f"Replay: demonstrations replayed {self.passes} times into Q, then Sarsa alone"
-
-    def to_record(self) -> NDArray[np.void]:
-        """Return the METHOD record, shape (1,)."""
-        return method_record(KIND_REPLAY)

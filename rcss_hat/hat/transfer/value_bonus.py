@@ -8,36 +8,21 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.hat.transfer.record import (
-    KIND_VALUE_BONUS,
-    NO_ADVICE,
-    TransferMethod,
-    check_count,
-    check_number,
-    method_record,
-)
+from rcss_hat.hat.transfer.method import NO_ADVICE, TransferMethod, check_count, check_number
 from rcss_hat.learning.exploration import epsilon_greedy
 from rcss_hat.learning.sarsa import exploration
-from rcss_hat.numeric.jit import kernel
+
+_BONUS, _FORCED = range(2)
 
 
-@kernel
 def select_value_bonus(
-    method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int
+    method: NDArray[np.void], learner: NDArray[np.void], rng: NDArray[np.uint64], advice: int, confidence: float
 ) -> int:
     """Select the advice during the first C episodes, then epsilon-greedily on Q plus bonus."""
-    if advice != NO_ADVICE and learner["episodes"][0] < method["forced"][0]:
+    if advice != NO_ADVICE and learner["episodes"][0] < method["settings"][0, _FORCED]:
         return advice
-    bonus = method["bonus"][0]
+    bonus = method["settings"][0, _BONUS]
     return epsilon_greedy(rng, learner["q"][0], learner["n_actions"][0], exploration(learner), advice, bonus)
-
-
-@kernel
-def target_bonus(method: NDArray[np.void], selected: int, advice: int) -> float:
-    """Return what is added to Q of the selected action in the values that learning aims at."""
-    if selected == advice and method["in_targets"][0]:
-        return method["bonus"][0]
-    return 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +41,7 @@ class ValueBonus(TransferMethod):
     """False: the bonus counts in selection only, as a preference that never fades (an ablation)."""
 
     name: ClassVar[str] = "value-bonus"
+    select = staticmethod(select_value_bonus)
 
     def __post_init__(self) -> None:
         """Check the settings."""
@@ -67,6 +53,11 @@ class ValueBonus(TransferMethod):
         where = "" if self.in_targets else ", in selection only"
         return f"Value Bonus: B = {self.bonus:g} cycles{where}, D forced for {self.forced} episodes"
 
-    def to_record(self) -> NDArray[np.void]:
-        """Return the METHOD record, shape (1,)."""
-        return method_record(KIND_VALUE_BONUS, bonus=self.bonus, forced=self.forced, in_targets=self.in_targets)
+    def settings(self) -> tuple[float, ...]:
+        """Return the numbers that the kernel gets."""
+        return self.bonus, self.forced
+
+    @property
+    def target_bonus(self) -> float:
+        """Cycles added to Q of the advised action in the values that learning aims at."""
+        return self.bonus if self.in_targets else 0.0

@@ -2,6 +2,8 @@
 
 import { Facts, History, ending, playerName, seconds } from "./panels.js";
 import { Pitch, keyText } from "./pitch.js";
+import { Attention } from "./attention.js";
+import { sayFarewell } from "./ending.js";
 import { listen, nextSpeed } from "./keys.js";
 import { Theme } from "./theme.js";
 
@@ -21,12 +23,16 @@ class Viewer {
     this.status = null;
     this.play = { playing: false, speed: 1, position: 0, length: 0, complete: false };
     this.described = -Infinity;
+    this.seat = "taken";
+    this.lapsed = null;
+    this.over = false;
     this.pitch = new Pitch($("pitch"));
     this.facts = new Facts();
     this.history = new History($("history"), this.pitch);
     this.theme = new Theme($("theme"), () => { this.pitch.readColours(); this.history.draw(); });
     listen(this);
     this.wire();
+    this.attention = new Attention(() => { this.tellLook(); this.showStandstill(); });
     this.connect();
     const draw = (now) => { this.pitch.draw(now); requestAnimationFrame(draw); };
     requestAnimationFrame(draw);
@@ -35,11 +41,12 @@ class Viewer {
   // -- connection -----------------------------------------------------------------------------------------------------
   connect() {
     this.socket = new WebSocket(`ws://${location.host}/socket`);
-    this.socket.addEventListener("open", () => this.connection("on", "connected"));
+    this.socket.addEventListener("open", () => { this.connection("on", "connected"); this.tellLook(); });
     this.socket.addEventListener("message", (event) => this.take(JSON.parse(event.data)));
     this.socket.addEventListener("close", (event) => {
-      this.connection("off", event.code === 1001 ? "closed" : "not connected");
-      setTimeout(() => this.connect(), RETRY_MS);
+      const closed = event.code === 1001; // by the viewer, which is gone for good
+      if (!this.over) this.connection("off", closed ? "closed" : "not connected");
+      if (!closed && !this.over) setTimeout(() => this.connect(), RETRY_MS);
     });
   }
 
@@ -49,7 +56,7 @@ class Viewer {
   }
 
   send(message) {
-    if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
   take(message) {
@@ -60,19 +67,61 @@ class Viewer {
     else if (message.type === "episodes") this.history.set(message.episodes);
     else if (message.type === "setup") this.takeSetup(message);
     else if (message.type === "hello") this.takeHello(message);
+    else if (message.type === "seat") this.takeSeat(message);
+    else if (message.type === "farewell") this.takeFarewell(message);
     else if (message.type === "notice") this.notice(message.text);
     else if (message.type === "refused") this.banner(message.text);
   }
 
   takeHello(message) {
-    this.role = message.role;
     this.demonstrates = message.demonstrate;
-    const play = this.demonstrates && this.role === "player";
+    this.takeRole(message.role);
+  }
+
+  takeRole(role) {
+    this.role = role;
+    const play = this.demonstrates && role === "player";
     this.pitch.playing = play;
     $("play").hidden = !play;
     $("help-demonstrate").hidden = !play;
     document.querySelector("main").classList.toggle("playing", play);
-    this.connection("on", this.role === "player" ? (play ? "you play" : "connected") : "watching");
+    if (!this.over) this.connection("on", role === "player" ? (play ? "you play" : "connected") : "watching");
+    if (this.status) this.takeDemonstration(this.status);
+    this.arrange();
+  }
+
+  // Who plays, and how to play instead.
+  takeSeat({ role, state }) {
+    this.seat = state;
+    if (role !== this.role) this.takeRole(role);
+    const [does, act] = this.demonstrates ? ["plays", "Play"] : ["steers", "Steer"];
+    $("seat-text").textContent = {
+      taken: `Another browser ${does}: the one that opened the link before. When its page is closed or left, a button appears here.`,
+      left: `The browser that ${does} is open, but nobody looks at it.`,
+      free: `Nobody ${does}: the page of the browser that did is closed.`,
+    }[state];
+    $("take-seat").textContent = `${act} here`;
+    $("take-seat").hidden = state === "taken";
+    this.arrange();
+    this.showStandstill();
+  }
+
+  tellLook() { this.send({ type: "look", value: this.attention.looking }); }
+
+  showStandstill() {
+    const { status } = this, looking = this.attention.looking;
+    const stands = status?.standing && !status.finished && !this.over && !document.querySelector("dialog[open]");
+    $("standstill").hidden = !stands || (this.role === "player" && looking);
+    const what = status?.stops ? "The game stands still" : "The keepers hold, and nothing is recorded";
+    $("standstill").textContent = this.role === "player" ? `${what}. Click here to go on.` : `${what}: nobody plays.`;
+  }
+
+  takeFarewell(message) {
+    this.over = true;
+    this.connection("over", "finished");
+    for (const id of ["help", "confirm", "question"]) $(id).close();
+    sayFarewell(message, this.role === "player");
+    this.attention.open($("farewell"));
     this.arrange();
   }
 
@@ -82,14 +131,23 @@ class Viewer {
     this.pitch.setSetup(this.setup);
     $("title").textContent = this.setup.title;
     document.title = `${this.setup.title} \u2013 rcss-hat`;
-    $("legend-left").textContent = this.setup.teams[0];
-    $("legend-right").textContent = this.setup.teams[1];
+    this.nameTeams(null);
     this.arrange();
+  }
+
+  nameTeams(score) {
+    ["left", "right"].forEach((side, k) => {
+      const node = $(`legend-${side}`), text = this.setup.teams[k] + (score ? ` ${score[k]}` : "");
+      if (node.textContent !== text) node.textContent = text;
+    });
   }
 
   arrange() {
     const seek = this.canSeek();
     $("transport").hidden = !seek;
+    const watching = this.role !== "player" && !this.over;
+    $("seat").hidden = !watching;
+    document.querySelector("main").classList.toggle("watching", watching);
     $("help-playback").hidden = !seek;
     document.body.classList.toggle("seekable", seek);
   }
@@ -98,11 +156,12 @@ class Viewer {
     this.frame = frame;
     this.frames += 1;
     if (!this.setup) return;
+    this.nameTeams(frame.score);
     const now = performance.now();
     this.pitch.push(frame, now, this.live ? 1 : this.play.speed);
     this.facts.show(frame, this.setup);
     if (!this.live) this.history.mark(frame.episode);
-    if (this.pitch.playing) this.showChoices();
+    if (this.pitch.playing) { this.showChoices(); this.showLapse(); }
     if (now - this.described > DESCRIBE_MS || (!this.live && !this.play.playing)) this.describe(now);
   }
 
@@ -139,7 +198,9 @@ class Viewer {
 
   takeDemonstration(status) {
     this.status = status;
+    this.showStandstill();
     if (this.role !== "player") return;
+    this.ask(status.asking && !status.finished);
     this.buildPasses();
     const wanted = status.episodes, done = status.kept;
     const dropped = status.dropped ? `, ${status.dropped} dropped` : "";
@@ -160,6 +221,12 @@ class Viewer {
     $("drop-last").firstChild.textContent = status.last_dropped ? "Keep last " : "Drop last ";
     for (const id of ["pause-recording", "drop", "drop-last", "finish"]) $(id).disabled = status.finished;
     $("drop-last").disabled ||= status.last === null;
+  }
+
+  // Nothing was pressed for long: is anybody there?
+  ask(asking) {
+    if (asking) this.attention.open($("question"));
+    else if ($("question").open) $("question").close();
   }
 
   buildPasses() {
@@ -187,12 +254,24 @@ class Viewer {
       const text = choice ? keyText(choice) : String(action);
       if (button.lastChild.textContent !== text) button.lastChild.textContent = text;
       button.classList.toggle("pending", action !== 0 && frame.pending === action);
+      button.classList.toggle("lapsed", action !== 0 && frame.lapsed === action);
       button.classList.toggle("done", frame.seen && frame.action === action && action !== 0);
     }
   }
 
+  showLapse() {
+    const { lapsed } = this.frame;
+    if (lapsed !== null && this.lapsed === null) this.banner(`Too late: PASS${lapsed} was not played`);
+    this.lapsed = lapsed;
+  }
+
   press(action) {
     if (!this.canDemonstrate()) return;
+    const actions = this.status.actions.map((known) => known.action);
+    if (!actions.includes(action)) {
+      this.banner(`There is no ${action} here: ${actions.slice(1).join(" and ")} ${actions.length > 2 ? "pass" : "passes"}, 0 holds`);
+      return;
+    }
     this.send({ type: "press", value: action });
     const choice = this.frame?.choices.find((c) => c.action === action);
     if (choice) this.pitch.light(choice.mate, performance.now());
@@ -218,7 +297,7 @@ class Viewer {
       ? `${kept}${episodes ? ` of ${episodes}` : ""} episodes are recorded. You can go on with the same file later.`
       : "Nothing was recorded: this was practice.";
     $("confirm").returnValue = "";
-    $("confirm").showModal();
+    this.attention.open($("confirm"));
   }
 
   // -- playback -------------------------------------------------------------------------------------------------------
@@ -246,11 +325,17 @@ class Viewer {
   }
 
   // -- wiring ---------------------------------------------------------------------------------------------------------
-  help() { $("help").showModal(); }
+  help() { this.attention.open($("help")); }
 
   wire() {
     history.replaceState(null, "", location.pathname);
+    // A button that was clicked gives the keyboard back to the game; one reached by Tab keeps Space and Enter.
+    document.addEventListener("click", (event) => {
+      if (event.detail > 0 && this.demonstrates) event.target.closest?.("button")?.blur();
+    }, true);
     $("help-button").addEventListener("click", () => this.help());
+    $("question").addEventListener("close", () => { if (this.status.asking && !this.over) this.record("here"); });
+    $("take-seat").addEventListener("click", () => this.send({ type: "seat" }));
     $("pitch").addEventListener("pointerdown", (event) => {
       if (!this.canDemonstrate() || event.button !== 0) return;
       const mate = this.pitch.mateAt(event.clientX, event.clientY);

@@ -20,8 +20,7 @@ export function listen(viewer) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector("dialog[open]")) return;
     const playing = viewer.canDemonstrate();
-    // A button that has the focus from an earlier click must not swallow the keys of the game.
-    if (belongsToControl(event) && !(playing && event.target.matches("button"))) return;
+    if (belongsToControl(event)) return;
     const handled = (playing && demonstrate(viewer, event)) || (viewer.canSeek() && seek(viewer, event)) || anyone(viewer, event);
     if (handled) event.preventDefault();
   });

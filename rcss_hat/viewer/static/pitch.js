@@ -62,13 +62,14 @@ export class Pitch {
     this.span = Math.min(Math.max(expected, 1), 150) * (this.playing ? 0.5 : 1);
     this.current = frame;
     this.arrived = now;
+    this.flash = null;
     const last = this.trail[this.trail.length - 1];
     if (last && Math.hypot(last[0] - frame.ball[0], last[1] - frame.ball[1]) > TELEPORT * 1.5) this.trail = [];
     this.trail.push([frame.ball[0], frame.ball[1]]);
     if (this.trail.length > TRAIL) this.trail.shift();
   }
 
-  // Show for a moment which pass a key asks for.
+  // Show which pass a key asks for, until the next frame tells what became of it.
   light(mate, now) { this.flash = { from: this.current?.keepers?.[0], mate, until: now + 450 }; }
 
   x(metres) { return (metres + this.setup.length / 2 + MARGIN) * this.scale; }
@@ -219,10 +220,11 @@ export class Pitch {
     const from = where.get(current.keepers[0]);
     for (const { action, mate } of current.choices) {
       if (action === current.pending) line(from, where.get(mate), this.colours.want, 4, 0.95, []);
+      else if (action === current.lapsed) line(from, where.get(mate), this.colours.bad, 3, 0.8, [2, 6]);
       else line(from, where.get(mate), this.colours.keeper, 2, this.theirs() ? 0.5 : 0.2, [6, 7]);
     }
     if (this.flash && now < this.flash.until) {
-      line(where.get(this.flash.from), where.get(this.flash.mate), this.colours.want, 4, 0.95, []);
+      line(where.get(this.flash.from), where.get(this.flash.mate), this.colours.keeper, 4, 0.95, []);
     }
     c.setLineDash([]);
     c.globalAlpha = 1;
@@ -238,19 +240,20 @@ export class Pitch {
     for (const choice of current.choices) {
       const to = players.find((p) => p.id === choice.mate);
       if (!to) continue;
-      const text = keyText(choice), lit = this.isLit(choice, now);
+      const lapsed = choice.action === current.lapsed, lit = lapsed || this.isLit(choice);
+      const text = lapsed ? "too late" : keyText(choice), bright = lapsed ? this.colours.bad : this.colours.want;
       const width = c.measureText(text).width + size, height = 1.6 * size;
       const away = this.radius() + height * 0.75 + 3 * density;
       const above = this.y(to.y) - away - height / 2 > 2;
       const x = Math.min(Math.max(this.x(to.x), width / 2 + 2), this.canvas.width - width / 2 - 2);
       const y = this.y(to.y) + (above ? -away : away);
-      c.globalAlpha = this.theirs() || lit ? 1 : 0.45;
+      c.globalAlpha = this.theirs() || lit || this.isAsked(choice, now) ? 1 : 0.45;
       c.beginPath();
       c.roundRect(x - width / 2, y - height / 2, width, height, 0.4 * size);
-      c.fillStyle = lit ? this.colours.want : this.colours.key;
+      c.fillStyle = lit ? bright : this.colours.key;
       c.fill();
       c.lineWidth = 1.5 * density;
-      c.strokeStyle = lit ? this.colours.want : this.colours.keeper;
+      c.strokeStyle = lit ? bright : this.colours.keeper;
       c.stroke();
       c.fillStyle = lit ? this.colours["accent-ink"] : this.colours["key-ink"];
       c.fillText(text, x, y + 0.05 * size);
@@ -260,9 +263,8 @@ export class Pitch {
 
   canPlay() { return this.current.mode === "play_on" && this.current.keepers; }
   theirs() { return this.current.holder !== null && this.current.holder === this.current.keepers?.[0]; }
-  isLit(choice, now) {
-    return this.current.pending === choice.action || (this.flash && this.flash.mate === choice.mate && now < this.flash.until);
-  }
+  isLit(choice) { return this.current.pending === choice.action; }
+  isAsked(choice, now) { return this.flash && this.flash.mate === choice.mate && now < this.flash.until; }
 
   // The team mate at a place on the screen, or null.
   mateAt(clientX, clientY) {

@@ -29,7 +29,7 @@ export class Theme {
     const dark = this.choice === "dark" || (this.choice === "auto" && system.matches);
     document.documentElement.dataset.theme = dark ? "dark" : "light";
     this.button.textContent = NAMES[this.choice];
-    this.button.setAttribute("aria-label", `Colours: ${SPOKEN[this.choice]}`);
+    this.button.title = `Colours: ${SPOKEN[this.choice]}`;
     this.changed();
   }
 }

@@ -47,15 +47,19 @@ CONFIG = LearnerConfig(epsilon=0.2)
 def test_no_prior_is_plain_sarsa() -> None:
     team, same = (Learners.create(CONFIG, NoPrior(), seed=3) for _ in range(2))
     random = np.random.default_rng(1)
-    features, table = same.approximator.record, same.approximator.table
-    arrays = (same.records[:1], same.streams[0], features, table, same.weights[0], same.traces[0])
+    plain = same.learner(0)
     for _ in range(30):
         for k in range(6):
             state, reward = random.uniform(0.0, 20.0, 13), float(random.integers(1, 9))
-            expected = sarsa.step(*arrays, reward, state) if k else sarsa.start(*arrays, state)
+            sarsa.observe(plain, state)
+            expected = sarsa.select_epsilon_greedily(plain.record, plain.rng)
+            if k:
+                sarsa.advance(plain, reward, expected, 0.0)
+            else:
+                sarsa.begin(plain, expected, 0.0)
             assert team.keeper(0).decide(state, reward, advice=1) == expected
         team.keeper(0).finish_episode(4.0)
-        sarsa.end(same.records[:1], features, table, same.weights[0], same.traces[0], 4.0)
+        sarsa.conclude(plain, 4.0)
     assert (team.weights == same.weights).all() and team.weights.any()
 
 
@@ -90,13 +94,16 @@ def test_evaluation_changes_nothing_and_ends() -> None:
     team = Learners.create(CONFIG, PPR())
     play(team, 3)
     before = team.weights.copy()
-    with team.evaluating():
-        assert not team.learning
-        play(team, 3)
-    assert team.learning and team.records["exploring"].all()
+    team.set_mode(learning=False, exploring=False)
+    assert not team.learning
+    play(team, 3)
     assert (team.weights == before).all() and team.episodes == 3
-    with team.evaluating(exploring=True):
-        assert team.records["exploring"].all() and not team.learning
+    team.set_mode(learning=True, exploring=True)
+    assert team.learning and team.records["exploring"].all()
+    play(team, 3)
+    assert team.episodes == 6
+    team.set_mode(learning=False, exploring=True)
+    assert team.records["exploring"].all() and not team.learning
 
 
 @pytest.mark.parametrize(("name", "lambda_"), [("ppr", 0.0), ("extra-action", 0.5), ("chat", 0.0)])
@@ -175,36 +182,35 @@ DEMONSTRATION = Decisions.of([NEAR, FAR, NEAR], [0, 1, 2], [4.0, 20.0, 6.0], [Fa
 def test_replay_is_sarsa_on_the_recorded_decisions() -> None:
     team = Learners.create(LearnerConfig(), Replay(passes=2))
     expected = Learners.create(LearnerConfig(), NoPrior())
-    team.replay(DEMONSTRATION)
-    record, features, table = expected.records[:1], expected.approximator.record, expected.approximator.table
-    weights, traces = expected.weights[0], expected.traces[0]
+    team.method.prepare(team, DEMONSTRATION)
+    plain = expected.learner(0)
     for _ in range(2):
-        sarsa.observe(record, features, table, weights, NEAR)
-        sarsa.begin(record, features, table, traces, 0, 0.0)
-        sarsa.observe(record, features, table, weights, FAR)
-        sarsa.advance(record, features, table, weights, traces, 4.0, 1, 0.0)
-        sarsa.end(record, features, table, weights, traces, 20.0)
-        sarsa.observe(record, features, table, weights, NEAR)
-        sarsa.begin(record, features, table, traces, 2, 0.0)
-        sarsa.end(record, features, table, weights, traces, 6.0)
+        sarsa.observe(plain, NEAR)
+        sarsa.begin(plain, 0, 0.0)
+        sarsa.observe(plain, FAR)
+        sarsa.advance(plain, 4.0, 1, 0.0)
+        sarsa.conclude(plain, 20.0)
+        sarsa.observe(plain, NEAR)
+        sarsa.begin(plain, 2, 0.0)
+        sarsa.conclude(plain, 6.0)
     for k in range(3):
-        assert (team.weights[k] == weights).all()
-    assert weights.any()
+        assert (team.weights[k] == plain.weights).all()
+    assert plain.weights.any()
 
 
 def test_replay_makes_the_demonstrated_actions_greedy_and_counts_nothing() -> None:
     team = Learners.create(LearnerConfig(), Replay())
-    team.replay(DEMONSTRATION)
+    team.method.prepare(team, DEMONSTRATION)
     assert team.episodes == 0 and team.records["decisions"].sum() == 0
     assert not team.keeper(0).has_acted
-    with team.evaluating():
-        assert team.keeper(0).decide(FAR) == 1
-        assert team.keeper(0).decide(NEAR, 1.0) in (0, 2)
+    team.set_mode(learning=False, exploring=False)
+    assert team.keeper(0).decide(FAR) == 1
+    assert team.keeper(0).decide(NEAR, 1.0) in (0, 2)
 
 
 def test_methods_that_do_not_replay_stay_as_they_are() -> None:
     team = Learners.create(LearnerConfig(), PPR())
-    team.replay(DEMONSTRATION)
+    team.method.prepare(team, DEMONSTRATION)
     assert not team.weights.any()
     team.replay(DEMONSTRATION, passes=1)
     assert team.weights.any()
@@ -213,9 +219,9 @@ def test_methods_that_do_not_replay_stay_as_they_are() -> None:
 def test_decisions_that_do_not_fit_are_refused() -> None:
     team = Learners.create(LearnerConfig(), Replay())
     with pytest.raises(ValueError, match="have 2 state variables, 3v2 has 13"):
-        team.replay(Decisions.of([[1.0, 2.0]], [0], [1.0], [True]))
+        team.method.prepare(team, Decisions.of([[1.0, 2.0]], [0], [1.0], [True]))
     with pytest.raises(ValueError, match="action 3 does not exist with 3 keepers"):
-        team.replay(Decisions.of([NEAR], [3], [1.0], [True]))
+        team.method.prepare(team, Decisions.of([NEAR], [3], [1.0], [True]))
     for arguments, message in (
         (([NEAR], [0, 1], [1.0], [True]), "decisions need states"),
         (([NEAR], [0], [np.nan], [True]), "must be finite"),

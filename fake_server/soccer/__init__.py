@@ -1,0 +1,1 @@
+"""What is soccer and not Keepaway: plain Python around the compiled step, which Keepaway plays without."""

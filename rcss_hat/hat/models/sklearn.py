@@ -1,0 +1,56 @@
+"""Classifiers of scikit-learn, saved by joblib, pickle or skops.
+
+A pickle is a program: who loads one runs it. skops' files hold only data, and are refused when they ask for more.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from rcss_hat.hat.foreign import Policy, told
+from rcss_hat.hat.models.fitting import classifying
+from rcss_hat.keepaway.decision import PolicyError
+from rcss_hat.keepaway.task import Task
+
+
+def load(path: Path, task: Task) -> Policy:
+    """Make a policy of a classifier that joblib or pickle has saved.
+
+    Raises
+    ------
+    PolicyError
+        When it cannot be read, is no classifier, or one for something else.
+    """
+    import joblib
+
+    try:
+        model = joblib.load(path)
+    except Exception as error:  # a pickle can do, and raise, anything
+        raise PolicyError(f"{path} cannot be read as a model saved by joblib or pickle: {told(error)}") from error
+    return _policy(model, path, task)
+
+
+def load_skops(path: Path, task: Task) -> Policy:
+    """Make a policy of a classifier that skops has saved, from types that skops trusts.
+
+    Raises
+    ------
+    PolicyError
+        As `load`, and when skops is not installed.
+    """
+    try:
+        import skops.io as skops
+    except ImportError as error:
+        raise PolicyError(f"{path} needs skops: pip install skops") from error
+    try:
+        model = skops.load(path)
+    except Exception as error:  # whatever the file holds
+        raise PolicyError(f"{path} cannot be read as a model saved by skops: {told(error)}") from error
+    return _policy(model, path, task)
+
+
+def _policy(model: Any, path: Path, task: Task) -> Policy:
+    if not hasattr(model, "predict"):
+        raise PolicyError(f"{path} holds an object of type {type(model).__name__}, which has no 'predict'")
+    return classifying(model, str(path), task)

@@ -1,0 +1,37 @@
+"""An environment on a real rcssserver, where one is found on PATH (or named by RCSSSERVER)."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from rcss_hat.envs import KeepawayEnv
+from rcss_hat.stage.servers import find_executable
+
+EXECUTABLE = find_executable(os.environ.get("RCSSSERVER"))
+pytestmark = [
+    pytest.mark.compiled,
+    pytest.mark.skipif(EXECUTABLE is None, reason="no rcssserver on PATH; name one by the variable RCSSSERVER"),
+]
+
+
+def test_rewards_sum_up_to_the_durations_that_the_server_logs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(Path(EXECUTABLE or "").resolve().parent), prepend=os.pathsep)
+    env = KeepawayEnv(stage="real")
+    with pytest.warns(UserWarning, match="a seed decides what our players do"):
+        env.reset(seed=1)
+    for episode in range(4):
+        if episode:
+            env.reset()
+        total, over = 0.0, False
+        while not over:
+            seen, reward, over, truncated, info = env.step(1)
+            assert env.observation_space.contains(seen)
+            assert not truncated, info
+            total += reward
+        assert total == info["duration"]
+        assert info["reason"] in ("out", "taken")
+        assert info["missed"] == 0
+    env.close()
