@@ -1,4 +1,4 @@
-"""Every snippet of docs/learners.md does what the page says."""
+"""Every snippet of docs/how-to/learners.md does what the page says."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from rcss_hat.cli.main import cli
 
 pytestmark = [pytest.mark.compiled, pytest.mark.slow]
-PAGE = (Path(__file__).parents[2] / "docs" / "learners.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "learners.md").read_text()
 NEEDS = {"stable_baselines3": "stable_baselines3", "model.zip": "stable_baselines3", "minari": "minari"}
 
 
@@ -28,7 +28,7 @@ def test_the_snippets_run_in_order(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     missing = {word for word, module in NEEDS.items() if not _is_there(module)}
     for kind, text in snippets:
         if kind == "python" and not any(word in text for word in missing):
-            exec(compile(text, "docs/learners.md", "exec"), {})
+            exec(compile(text, "docs/how-to/learners.md", "exec"), {})
     for line in lines:
         if not any(word in line for word in missing):
             done = CliRunner().invoke(cli, line.split()[1:])

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-PAGE = (Path(__file__).parents[2] / "docs" / "environments.md").read_text()
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "environments.md").read_text()
 SNIPPETS = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 
 
@@ -19,7 +19,7 @@ def test_snippet(k: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        exec(compile(SNIPPETS[k], f"docs/environments.md, snippet {k + 1}", "exec"), {"__name__": "snippet"})
+        exec(compile(SNIPPETS[k], f"docs/reference/environments.md, snippet {k + 1}", "exec"), {"__name__": "snippet"})
 
 
 def test_the_page_has_its_snippets() -> None:

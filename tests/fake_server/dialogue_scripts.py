@@ -9,7 +9,7 @@ from dialogues import GONE, Dialogue
 from rcss_hat.protocol.play_modes import PLAY_MODES
 
 _COUNTED_ON = ("goal_l", "goal_r", "offside", "back_pass_r", "catch_fault_r")
-"""When a trainer sets these, the original goes on counting from the last stoppage of the kind (docs/fake_server.md)."""
+"""When a trainer sets these, the original goes on counting from the last stoppage of the kind (fake_server.md)."""
 _JUDGED_ELSEWHERE = ("penalty", "illegal_defense", "null", "max", "pause", "human", "first_half")
 
 
