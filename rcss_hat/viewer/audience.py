@@ -27,8 +27,11 @@ class Audience(Protocol):
     def playback(self, status: Mapping[str, Any]) -> None:
         """Take where in a recording we are: playing, speed, position, length."""
 
-    def notice(self, text: str) -> None:
-        """Take a remark for people; an empty one takes the last back."""
+    def notice(self, text: str, code: str | None = None, **values: Any) -> None:
+        """Take a remark for people; an empty one takes the last back.
+
+        Whoever shows it in another language knows it by its code, and puts in the values.
+        """
 
 
 class Source(Protocol):

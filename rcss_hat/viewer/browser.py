@@ -1,13 +1,11 @@
-"""One connected page of the viewer: what it is sent, and what of it may be left out."""
+"""One connected page: what it is sent, and what of it may be left out."""
 
 from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
-
-from aiohttp import web
 
 from rcss_hat.viewer.seat import Visitor
 
@@ -16,11 +14,19 @@ PICTURE = 1.0 / 60.0
 
 
 class Browser(Visitor):
-    """One connected page. What comes too fast for it is left out; nobody waits for it."""
+    """One connected page. What comes too fast for it is left out; nobody waits for it.
 
-    def __init__(self, socket: web.WebSocketResponse, session: str) -> None:
+    Parameters
+    ----------
+    deliver : callable
+        Sends a text to the page, whatever lies between; ends with ConnectionError when the page has gone.
+    session : str
+        Who it is: the same for all pages of one browser, or of one participant.
+    """
+
+    def __init__(self, deliver: Callable[[str], Awaitable[None]], session: str) -> None:
         super().__init__(session)
-        self.socket = socket
+        self._deliver = deliver
         self._messages: list[str] = []
         self._latest: dict[str, Mapping[str, Any]] = {}
         self._wake = asyncio.Event()
@@ -36,8 +42,8 @@ class Browser(Visitor):
         self._wake.set()
 
     async def send(self) -> None:
-        """Send what is queued, until the page has gone."""
-        while not self.socket.closed:
+        """Send what is queued, until cancelled or the page has gone."""
+        while True:
             await self._wake.wait()
             self._wake.clear()
             await self.flush()
@@ -48,6 +54,6 @@ class Browser(Visitor):
         messages, self._messages = self._messages, []
         latest, self._latest = self._latest, {}
         for text in messages:
-            await self.socket.send_str(text)
+            await self._deliver(text)
         for message in latest.values():
-            await self.socket.send_str(json.dumps(message))
+            await self._deliver(json.dumps(message))

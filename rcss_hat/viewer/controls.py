@@ -11,7 +11,7 @@ which action that is follows from the order in which the keeper sees its team ma
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,12 +38,40 @@ class Press:
         The newest cycle the person could see.
     holder : str or None
         Who had the ball then.
+    at : float or None
+        Milliseconds by the page's clock, where it told them.
     """
 
     action: int
     mate: str | None
     cycle: int
     holder: str | None
+    at: float | None = None
+
+
+PLAYED, LAPSED, REPEATED, REPLACED, TAKEN_BACK, HELD, REFUSED = (
+    "played", "lapsed", "repeated", "replaced", "taken back", "hold", "refused",
+)  # fmt: skip
+"""What becomes of a key: a keeper took it up; nobody did in time; it was pressed again for a pass that was played;
+another key came after it; so did Hold; it was Hold itself; there is no such pass."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fate:
+    """What became of a key.
+
+    Attributes
+    ----------
+    press : Press
+    fate : str
+        One of those above.
+    cycle : int
+        When that was known.
+    """
+
+    press: Press
+    fate: str
+    cycle: int
 
 
 class KeyChannel:
@@ -66,6 +94,8 @@ class KeyChannel:
         Cycle and action of the last key that came too late: nobody took it up.
     presses : int
         How many keys were pressed.
+    on_fate : callable or None
+        Told what became of every key, once that is known.
     """
 
     def __init__(self, actions: Sequence[int] = (0, 1, 2), grace: int = GRACE) -> None:
@@ -77,32 +107,60 @@ class KeyChannel:
         self.taken: tuple[int, int] | None = None
         self.lapsed: tuple[int, int] | None = None
         self.presses = 0
+        self.on_fate: Callable[[Fate], None] | None = None
         self._cycle = 0
         self._holder: str | None = None
         self._mates: dict[str, int] = {}
         self._players: list[dict[str, Any]] = []
 
-    def press(self, action: int) -> bool:
+    def press(self, action: int, at: float | None = None) -> bool:
         """Ask for an action; Hold takes back what was asked for.
+
+        Parameters
+        ----------
+        action : int
+        at : float, optional
+            Milliseconds by the page's clock.
 
         Returns
         -------
         bool
             Whether this action may be chosen.
         """
+        press = Press(action, None, self._cycle, self._holder, at)
         if action not in self.actions:
+            self._became(press, REFUSED)
             return False
         self.presses += 1
-        self.pending = None if action == HOLD else Press(action, None, self._cycle, self._holder)
+        if action == HOLD:
+            self._instead(None, TAKEN_BACK)
+            self._became(press, HELD)
+        else:
+            self._instead(press, REPLACED)
         return True
 
-    def press_mate(self, mate: str) -> bool:
+    def press_mate(self, mate: str, at: float | None = None) -> bool:
         """Ask for a pass to a team mate (id such as ``l2``)."""
         if mate not in self._mates:
+            self._became(Press(HOLD, mate, self._cycle, self._holder, at), REFUSED)
             return False
         self.presses += 1
-        self.pending = Press(self._mates[mate], mate, self._cycle, self._holder)
+        self._instead(Press(self._mates[mate], mate, self._cycle, self._holder, at), REPLACED)
         return True
+
+    def release(self) -> None:
+        """Forget what was asked for: somebody else decides from now on."""
+        self._instead(None, TAKEN_BACK)
+
+    def _instead(self, press: Press | None, fate: str) -> None:
+        """Put a key in the place of the one that nobody has taken up yet."""
+        before, self.pending = self.pending, press
+        if before is not None:
+            self._became(before, fate)
+
+    def _became(self, press: Press, fate: str, cycle: int | None = None) -> None:
+        if self.on_fate is not None:
+            self.on_fate(Fate(press, fate, self._cycle if cycle is None else cycle))
 
     def observe(self, frame: Frame) -> None:
         """Take the newest frame; what the person can choose and has asked for is written into it."""
@@ -116,8 +174,9 @@ class KeyChannel:
             lost = press.holder is not None and holder != press.holder
             late = press.holder is None and self._cycle - press.cycle > self.grace
             if lost or late:
-                self.pending = None
-                if not self._repeats(press):
+                repeats = self._repeats(press)
+                self._instead(None, REPEATED if repeats else LAPSED)
+                if not repeats:
                     self.lapsed = (self._cycle, press.action)
         frame["pending"] = self.pending.action if self.pending is not None else None
         lapsed = self.lapsed
@@ -155,6 +214,7 @@ class KeyChannel:
         action = press.action if press.mate is None else self._action_to(press.mate, keeper, state, press.action)
         if action != HOLD:
             self.taken = (cycle, action)
+        self._became(press, PLAYED if action != HOLD else LAPSED, cycle)
         return action
 
     def _action_to(self, mate: str, keeper: int, state: Sequence[float], otherwise: int) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,42 +16,64 @@ from rcss_hat.keepaway.report import Episode
 from rcss_hat.viewer.controls import HOLD, KeyChannel
 from rcss_hat.viewer.frames import Frame
 from rcss_hat.viewer.narrator import Insight
+from rcss_hat.viewer.protocol import COMMANDS
+from rcss_hat.viewer.shelf import Shelf
 
 if TYPE_CHECKING:
     from rcss_hat.hat.demonstration_writer import DemonstrationWriter
 
 
-IDLE_EPISODES = 3
-"""After so many episodes in a row without a key, the person is asked whether he is there."""
+IDLE_S = 8.0
+"""Seconds in which decisions were the person's and no key was pressed, after which he is asked whether he is there."""
+_CYCLES_PER_S = 10.0
 
 
-@dataclass(slots=True)
-class _Finished:
-    """An episode that has ended and can still be dropped, until the next one ends."""
+@dataclass(frozen=True)
+class Terms:
+    """How a person demonstrates.
 
-    episode: Episode
-    idle: bool
-    dropped: bool = False
+    Attributes
+    ----------
+    episodes : int or None
+        Finish when so many are kept; None: go on until stopped.
+    start : bool
+        The game stands still until the person says that he is ready.
+    at_once : bool
+        Episodes are written as soon as they have ended, and cannot be dropped.
+    speed : float
+        Times real time: how long a decision is, for idleness.
+    commands : tuple of str
+        What the person may do beside playing; of `rcss_hat.viewer.protocol.COMMANDS`.
+    """
+
+    episodes: int | None = None
+    start: bool = False
+    at_once: bool = False
+    speed: float = 1.0
+    commands: tuple[str, ...] = COMMANDS
 
 
 class Demonstrator:
     """A person who plays the keepers on a stage, and what of it is recorded.
 
     An episode that has ended is written when the next one ends, or at `close`; until then it can be dropped. One in
-    which the person did nothing at all is marked as idle; after some of them in a row he is asked whether he is there.
+    which the person did nothing at all is marked as idle. Who presses nothing for `IDLE_S` seconds in which decisions
+    were his is asked whether he is there; idle episodes are written only when he goes on.
 
     Parameters
     ----------
     keys : KeyChannel
     recorder : DemonstrationWriter, optional
         Where episodes go; without one the person only practises.
-    episodes : int or None
-        Finish when the file holds so many; None: go on until stopped.
+    terms : Terms or int, optional
+        An int is how many episodes are to be kept.
 
     Attributes
     ----------
     insight : Insight
         What keepers saw and chose; for the source of the frames.
+    started : bool
+        The person has said that he is ready.
     finished : bool
         No more is recorded.
     on_finished : callable or None
@@ -63,36 +85,61 @@ class Demonstrator:
     asking : bool
         The person is asked whether he is there, and has not answered.
     on_arrival : callable or None
-        Called whenever the person comes.
+        Called whenever the person comes, if he has started; and when he starts.
+    on_kept : callable or None
+        Told every episode that counts, when it ends.
+    on_replay : callable or None
+        Told what is to be looked at again (`rcss_hat.viewer.replay`), and None when that is over.
     """
 
     def __init__(
-        self, keys: KeyChannel, recorder: DemonstrationWriter | None = None, episodes: int | None = None
+        self, keys: KeyChannel, recorder: DemonstrationWriter | None = None, terms: Terms | int | None = None
     ) -> None:
-        self.keys, self.recorder, self.episodes = keys, recorder, episodes
+        self.keys, self.recorder = keys, recorder
+        self.terms = terms if isinstance(terms, Terms) else Terms(terms)
         self.insight = Insight()
+        self.started = not self.terms.start
         self.finished = False
         self.on_finished: Callable[[], None] | None = None
         self.away, self.looking, self.asking = False, True, False
         self.on_arrival: Callable[[], None] | None = None
+        self.on_kept: Callable[[Episode], None] | None = None
+        self.on_replay: Callable[[Mapping[str, Any] | None], None] | None = None
         self.stops = False
         self.paused = False
-        self.dropped = 0
+        self._dropped = 0
         self._closed = False
-        self._practised = 0
+        self._before = 0 if recorder is None else len(recorder.entries)
         self._recording = Recorder(recorder)
-        self._last: _Finished | None = None
+        self._shelf = Shelf(self._recording, self.terms.at_once)
         self._drop_running = False
         self._spoiled = False  # the running episode was paused, or played with nobody there
-        self._idle = 0  # episodes in a row
-        self._signs = 0  # of life, when the running episode began
+        self._signs_before = 0  # of life, when the running episode began
+        self._signs_seen = 0  # when the last decision was taken
+        self._idle_decisions = 0
         self._commands = 0
 
     # -- towards the stage --------------------------------------------------------------------------------------------
     def answer(self, state: NDArray[np.float64], info: dict[str, Any]) -> int:
         """Decide: this is a `rcss_hat.hat.policy.Policy`."""
         self._spoiled |= self.standing
-        return HOLD if self.paused or self.standing else self.keys.take(info["keeper"], info["cycle"], state.tolist())
+        if self.paused or self.standing:
+            return HOLD
+        self._watch_idleness()
+        return self.keys.take(info["keeper"], info["cycle"], state.tolist())
+
+    def _watch_idleness(self) -> None:
+        """Count decisions without a key; after too many the person is asked."""
+        idle = self._signs == self._signs_seen
+        self._idle_decisions = self._idle_decisions + 1 if idle else 0
+        self._signs_seen = self._signs
+        if self._idle_decisions >= IDLE_S * _CYCLES_PER_S * self.terms.speed:
+            self.asking = True
+
+    @property
+    def _signs(self) -> int:
+        """How often the person showed that he is there."""
+        return self.keys.presses + self._commands
 
     def decided(self, decision: Decision) -> None:
         """Take a decision that was taken."""
@@ -108,18 +155,25 @@ class Demonstrator:
     def _episode_over(self, episode: Episode) -> None:
         if self.finished:
             return
-        self._settle()
-        idle = self._was_idle()
+        idle, self._signs_before = self._signs == self._signs_before, self._signs
         if self._spoiled or self._drop_running:
-            self.dropped += self._drop_running
+            self._dropped += self._drop_running
+            self._shelf.settle(self._shelf.idle)
             self._recording.take(episode)
         else:
-            self._last = _Finished(episode, idle)
-            self._idle = self._idle + 1 if idle else 0
-            self.asking |= self._idle >= IDLE_EPISODES
+            self._shelf.put(episode, idle)
+            if self.on_kept is not None:
+                self.on_kept(episode)
         self._drop_running, self._spoiled = False, self.paused
-        if self.episodes is not None and self.kept >= self.episodes:
-            self.stop()
+        if self._enough:
+            # Whoever went away before the end has not come to it.
+            self.asking |= self._shelf.idle > 1
+            if not self.asking:
+                self.stop()
+
+    @property
+    def _enough(self) -> bool:
+        return self.episodes is not None and self.kept >= self.episodes
 
     # -- towards the picture ------------------------------------------------------------------------------------------
     def observe(self, frame: Frame) -> None:
@@ -130,7 +184,10 @@ class Demonstrator:
     def person(self, there: bool) -> None:
         """Take note that the person has come, or gone."""
         self.away = not there
-        if there and self.on_arrival is not None:
+        self._arrived()
+
+    def _arrived(self) -> None:
+        if not self.away and self.started and self.on_arrival is not None:
             self.on_arrival()
 
     def look(self, looking: bool) -> None:
@@ -139,46 +196,67 @@ class Demonstrator:
 
     @property
     def standing(self) -> bool:
-        """Whether the game is to stand still: the person is not there, does not look, or has not answered.
+        """Whether the game is to stand still: the person is not there or ready, does not look, or has not answered.
 
         Where it cannot, the keepers hold, and an episode in which they had to decide is not kept.
         """
-        return self.away or not self.looking or self.asking
+        return self.away or not self.started or not self.looking or self.asking
+
+    def press(self, action: int, at: float | None = None) -> bool:
+        """Take a key for an action; see `KeyChannel.press`."""
+        return self.keys.press(action, at)
+
+    def press_mate(self, mate: str, at: float | None = None) -> bool:
+        """Take a key for a team mate; see `KeyChannel.press_mate`."""
+        return self.keys.press_mate(mate, at)
+
+    def correct(self, cycle: int, action: int | None) -> bool:
+        """Take what would have been right; False: there is nothing to correct."""
+        return False
 
     def command(self, name: str) -> bool:
         """Do what the person asked for.
 
         Parameters
         ----------
-        name : {"drop", "drop_last", "pause", "resume", "here", "stop"}
-            ``drop`` drops the running episode, ``drop_last`` the one before; both take it back when repeated. ``here``
-            answers the question whether anybody is there.
+        name : str
+            One of the terms' commands. ``start`` begins, ``here`` answers the question whether anybody is there,
+            ``drop`` drops the running episode, ``drop_last`` the one before; both take it back when repeated.
 
         Returns
         -------
         bool
-            False for a name that is none of these, or when there is nothing to drop.
+            False for a name that is none of these, or when it makes no sense now.
         """
-        if self.finished:
+        if self.finished or name not in self.terms.commands or not self._obey(name):
             return False
         self._commands += 1
-        if name == "drop":
+        return True
+
+    def _obey(self, name: str) -> bool:
+        if name == "start":
+            self.started = True
+            self._arrived()
+        elif name == "drop":
+            if self.terms.at_once:
+                return False
             self._drop_running = not self._drop_running
         elif name == "drop_last":
-            if self._last is None:
+            if self._shelf.last is None:
                 return False
-            self._last.dropped = not self._last.dropped
+            self._shelf.last.dropped = not self._shelf.last.dropped
         elif name == "pause":
             self.paused = self._spoiled = True
-            self.keys.press(HOLD)
+            self.press(HOLD)
         elif name == "resume":
             self.paused = False
         elif name == "here":
-            self.asking, self._idle = False, 0
+            self.asking, self._idle_decisions = False, 0
+            if self._enough:
+                self.stop()
         elif name == "stop":
             self.stop()
         else:
-            self._commands -= 1
             return False
         return True
 
@@ -193,28 +271,42 @@ class Demonstrator:
     def close(self) -> None:
         """Write what is still to be written."""
         self.finished = self._closed = True
-        self._settle()
+        if self.asking:
+            self._shelf.leave_idle()
+        self._shelf.settle()
         self._recording.forget()
+
+    @property
+    def episodes(self) -> int | None:
+        """How many are to be kept."""
+        return self.terms.episodes
 
     @property
     def kept(self) -> int:
         """Episodes recorded so far, those of a resumed file included."""
-        written = self._practised if self.recorder is None else len(self.recorder.entries)
-        return written + (self._last is not None and not self._last.dropped)
+        return self._before + self._shelf.written + self._shelf.waiting
+
+    @property
+    def dropped(self) -> int:
+        """Episodes that were dropped for good."""
+        return self._dropped + self._shelf.dropped
 
     def status(self) -> dict[str, Any]:
         """Return what a page shows of the recording."""
+        last = self._shelf.last
         return {
             "recording": self.recorder is not None,
             "actions": [{"action": a, "name": action_name(a)} for a in self.keys.actions],
             "episodes": self.episodes,
             "kept": self.kept,
-            "dropped": self.dropped + (self._last is not None and self._last.dropped),
+            "dropped": self.dropped + (last is not None and last.dropped),
+            "commands": list(self.terms.commands),
+            "started": self.started,
             "paused": self.paused,
             "spoiled": self._spoiled,
             "dropping": self._drop_running,
-            "last": None if self._last is None else self._last.episode.number,
-            "last_dropped": self._last is not None and self._last.dropped,
+            "last": None if last is None else last.episode.number,
+            "last_dropped": last is not None and last.dropped,
             "finished": self.finished,
             "asking": self.asking,
             "standing": self.standing,
@@ -228,23 +320,3 @@ class Demonstrator:
             file = shlex.quote(str(self.recorder.table))
             told |= {"file": str(self.recorder.table), "next": f"rcss-hat summarize {file} --out rules.json"}
         return told
-
-    # -- inside -------------------------------------------------------------------------------------------------------
-    def _was_idle(self) -> bool:
-        """Tell whether the person did nothing since this was asked last."""
-        before, self._signs = self._signs, self.keys.presses + self._commands
-        return self._signs == before
-
-    def _settle(self) -> None:
-        """Write the episode before, or drop it for good."""
-        last = self._last
-        if last is None:
-            return
-        episode = last.episode
-        if last.dropped:
-            self.dropped += 1
-            self._recording.take(episode)
-        else:
-            self._practised += self.recorder is None
-            self._recording.keep(episode, last.idle)
-        self._last = None  # not before: a full disk may have room again when the demonstration is closed

@@ -52,18 +52,18 @@ class StageGame:
 
     async def run(self, audience: Audience) -> None:
         """Play until the demonstration is finished."""
-        audience.notice("Compiling; this takes a while the first time.")
+        audience.notice("Compiling; this takes a while the first time.", "compiling")
         frames, _ = await aside(self._advance)
         audience.notice("")
         audience.setup(self.setup, live=True)
         audience.episodes([])
         self._show(frames, audience)
-        await self._person(audience, "Begins")
+        await self._person(audience, "Begins", "begins")
         loop = asyncio.get_running_loop()
         due = loop.time()
         while not self.demonstrator.finished:
             if self.demonstrator.standing:
-                await self._person(audience, "Goes on")
+                await self._person(audience, "Goes on", "goes_on")
                 due = loop.time()
             due = max(due + self.setup.step_s, loop.time() - STALL)
             await asyncio.sleep(max(due - loop.time(), 0.0))
@@ -72,15 +72,15 @@ class StageGame:
             for episode in ended:
                 audience.episode(episode)
 
-    async def _person(self, audience: Audience, what: str) -> None:
+    async def _person(self, audience: Audience, what: str, code: str) -> None:
         """Wait until the person is there, and ready."""
-        demonstrator, left, told = self.demonstrator, float(self.countdown), ""
+        demonstrator, left, told = self.demonstrator, float(self.countdown), 0
         while not demonstrator.finished and (demonstrator.standing or left > 0.0):
             left = float(self.countdown) if demonstrator.standing else left - PEEK
-            text = "" if demonstrator.standing else f"{what} in {math.ceil(left + PEEK / 2)} ..."
-            if text != told:
-                audience.notice(text)
-                told = text
+            seconds = 0 if demonstrator.standing else math.ceil(left + PEEK / 2)
+            if seconds != told:
+                audience.notice(f"{what} in {seconds} ..." if seconds else "", code, seconds=seconds)
+                told = seconds
             await asyncio.sleep(PEEK)
         audience.notice("")
 

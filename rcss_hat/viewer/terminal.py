@@ -153,7 +153,7 @@ class Terminal:
         """Take where we are."""
         self._playback = status
 
-    def notice(self, text: str) -> None:
+    def notice(self, text: str, code: str | None = None, **values: Any) -> None:
         """Take a remark."""
         self._notice = text
         self._changed.set()
@@ -170,8 +170,8 @@ class Terminal:
         self._changed.set()
 
     def _demonstrate(self, controls: Demonstrator, key: str) -> None:
-        if controls.asking:
-            controls.command("here")
+        if controls.asking or not controls.started:
+            controls.command("here" if controls.asking else "start")
             return
         commands = {"d": "drop", "l": "drop_last", "p": "resume" if controls.paused else "pause", "f": "stop"}
         if key.isdigit() or key == " ":
@@ -230,7 +230,9 @@ class Terminal:
     def _recording(self, controls: Demonstrator, frame: Frame) -> list[str]:
         status = controls.status()
         if status["asking"]:
-            return ["Is anybody there? Nothing was pressed for some episodes; the game waits for a key."]
+            return ["Are you still there? Nothing was pressed for a while; the game waits for a key."]
+        if not status["started"]:
+            return ["You play the keeper with the ball (blue). Keep it as long as you can: any key begins."]
         wanted = f" of {status['episodes']}" if status["episodes"] else ""
         text = f"{status['kept']}{wanted} recorded, {status['dropped']} dropped" if status["recording"] else "practice"
         if status["paused"]:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from rcss_hat.hat.policy import python_policy
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
@@ -15,10 +17,10 @@ from rcss_hat.stage.place import ARENA, Place
 from rcss_hat.stage.stages import Stage as PlayStage
 from rcss_hat.stage.stages import open_stage
 from rcss_hat.viewer.audience import Audience, WatchError
-from rcss_hat.viewer.demonstrator import Demonstrator
+from rcss_hat.viewer.demonstrator import IDLE_S, Demonstrator
 from rcss_hat.viewer.frames import Frame, Player, Setup, Snapshot
 from rcss_hat.viewer.narrator import make_frame
-from rcss_hat.viewer.server import Viewer
+from rcss_hat.viewer.room import Room
 from rcss_hat.viewer.terminal import Terminal
 
 DATA = Path(__file__).parents[1] / "data" / "viewer"
@@ -66,7 +68,7 @@ class Remembering:
     def playback(self, status: Mapping[str, Any]) -> None:
         self.statuses.append(status)
 
-    def notice(self, text: str) -> None:
+    def notice(self, text: str, code: str | None = None, **values: Any) -> None:
         self.notices.append(text)
 
 
@@ -77,11 +79,23 @@ async def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
             await asyncio.sleep(0.002)
 
 
-def end(audience: Viewer | Terminal, episode: Episode) -> None:
+def end(audience: Room | Terminal, episode: Episode) -> None:
     """An episode ends: the stage tells the demonstrator, and the source who watches."""
     assert audience.controls is not None
     audience.controls.ended([episode], episode.end)
     audience.episode(episode)
+
+
+STATE = np.array([0.0, 5.0, 6.0, 5.0, 6.0, 5.0, 6.0, 5.0, 6.0, 10.0, 7.8, 180.0, 90.0])
+"""Of keeper 1 in `FIELD`."""
+PATIENCE = round(10 * IDLE_S)
+"""Decisions without a key until the person is asked."""
+
+
+def nobody_decides(demonstrator: Demonstrator, decisions: int = PATIENCE) -> None:
+    """Keepers ask, and no key is pressed."""
+    for cycle in range(decisions):
+        demonstrator.answer(STATE, {"keeper": 1, "cycle": cycle})
 
 
 def played_by(demonstrator: Demonstrator, seed: int, task: Task | None = None) -> PlayStage:

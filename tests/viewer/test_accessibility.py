@@ -23,7 +23,7 @@ from rcss_hat.viewer.playback import Playback
 from rcss_hat.viewer.recording import read_recording
 from rcss_hat.viewer.server import Viewer, serve
 
-from .audience import DATA, FIELD, SETUP, Stage, end, snapshot
+from .audience import DATA, FIELD, SETUP, Stage, end, nobody_decides, snapshot
 from .audience import until as until_here
 from .conftest import OpenPage
 from .test_page import until
@@ -83,9 +83,9 @@ async def test_playing_has_names_and_contrasts(
     stage.show(1)
     await until(page, "viewer.frame")
     assert await violations(page) == []
-    end(viewer, Episode(1, 0, 30, OUT))
-    viewer.notice("Begins in 3 ...")
-    viewer.frame(make_frame(snapshot(2, (2.0, 1.0), **FIELD), SETUP, 2, 30))
+    end(viewer.room, Episode(1, 0, 30, OUT))
+    viewer.room.notice("Begins in 3 ...")
+    viewer.room.frame(make_frame(snapshot(2, (2.0, 1.0), **FIELD), SETUP, 2, 30))
     await until(page, "document.getElementById('mind').classList.contains('loose')")
     for command in ("pause", "drop", "drop_last"):
         await page.evaluate(f"viewer.record('{command}')")
@@ -93,7 +93,7 @@ async def test_playing_has_names_and_contrasts(
     assert await violations(page) == []
     demonstration.keys.press(1)
     for cycle in (3, 40):
-        viewer.frame(make_frame(snapshot(cycle, (2.0, 1.0), **FIELD), SETUP, 2, 30))
+        viewer.room.frame(make_frame(snapshot(cycle, (2.0, 1.0), **FIELD), SETUP, 2, 30))
     await until(page, "document.querySelector('#passes .lapsed')")
     assert await violations(page) == []
 
@@ -110,8 +110,9 @@ async def test_dialogs_have_names_and_contrasts(
         await page.keyboard.press(key)
         assert await violations(page) == []
         await page.keyboard.press("Escape")
-    for number in range(1, 4):
-        end(viewer, Episode(number, 30 * number, 30 * number + 30, OUT))
+    await until_here(lambda: not demonstration.standing)
+    nobody_decides(demonstration)
+    stage.show(2)
     await until(page, "document.getElementById('question').open")
     assert await violations(page) == []
     await viewer.close()

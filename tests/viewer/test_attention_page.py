@@ -13,14 +13,14 @@ import pytest_asyncio
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
 from rcss_hat.hat.demonstrations import DemonstrationInfo, DemonstrationSet
 from rcss_hat.keepaway.report import OUT, Episode
-from rcss_hat.viewer import server
+from rcss_hat.viewer import room
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstrator import IDLE_EPISODES, Demonstrator
+from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.narrator import make_frame
 from rcss_hat.viewer.server import Viewer, serve
 from rcss_hat.viewer.stage_game import StageGame
 
-from .audience import FIELD, SETUP, Stage, end, played_by, snapshot
+from .audience import FIELD, SETUP, Stage, end, nobody_decides, played_by, snapshot
 from .audience import until as until_here
 from .conftest import OpenPage
 from .test_page import until
@@ -159,23 +159,24 @@ async def test_standing_still_costs_no_episode(arena: Viewer, game: Game, open_p
     await game.stands()
     await page.keyboard.press("Escape")
     await until_here(lambda: game.demonstration.kept > 0, 10.0)
-    assert game.demonstration.dropped == 0 and arena._episodes[0]["number"] == 1
+    assert game.demonstration.dropped == 0 and arena.room._episodes[0]["number"] == 1
 
 
-async def test_after_some_idle_episodes_the_page_asks_and_waits(arena: Viewer, game: Game, open_page: OpenPage) -> None:
+async def test_without_a_key_for_long_the_page_asks_and_waits(arena: Viewer, game: Game, open_page: OpenPage) -> None:
     page = await open_page(arena.url)
     await ready(page)
-    await until(page, "document.getElementById('question').open", 20.0)
+    await until(page, "document.getElementById('question').open", 30.0)
     await game.stands()
-    assert game.demonstration.kept == IDLE_EPISODES
+    idle = game.demonstration.kept
+    assert idle > 1 and not game.writer.entries, "what nobody demonstrated waits"
     await page.keyboard.press("Enter")
     await until(page, "!document.getElementById('question').open")
     await game.runs()
     await page.keyboard.press("1")
-    await until_here(lambda: len(game.writer.entries) > IDLE_EPISODES, 20.0)
+    await until_here(lambda: len(game.writer.entries) >= idle, 20.0)
     game.demonstration.close()
     recorded = DemonstrationSet.load(game.writer.table)
-    assert [d.idle for d in recorded][: IDLE_EPISODES + 1] == [True] * IDLE_EPISODES + [False]
+    assert [d.idle for d in recorded][:idle] == [True] * idle
     assert all(d.actions.max() == 0 for d in recorded if d.idle)
 
 
@@ -184,10 +185,9 @@ async def test_escape_answers_the_question_too(
 ) -> None:
     page = await open_page(viewer.url)
     await ready(page, stage)
-    for number in range(1, IDLE_EPISODES + 1):
-        assert not demonstration.asking
-        end(viewer, Episode(number, 30 * number, 30 * number + 30, OUT))
+    nobody_decides(demonstration)
     assert demonstration.asking and demonstration.standing
+    stage.show(2)
     await until(page, "document.getElementById('question').open")
     await page.keyboard.press("Escape")
     await until_here(lambda: not demonstration.standing)
@@ -197,7 +197,7 @@ async def test_escape_answers_the_question_too(
 async def test_a_second_browser_takes_over_when_the_first_is_gone(
     viewer: Viewer, stage: Stage, open_page: OpenPage, demonstration: Demonstrator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(server, "SEAT_KEPT", 0.3)
+    monkeypatch.setattr(room, "SEAT_KEPT", 0.3)
     first, second = await open_page(viewer.url), None
     await ready(first, stage)
     second = await open_page(viewer.url)
@@ -253,7 +253,7 @@ async def test_the_end_is_quiet_and_says_what_to_do_next(stage: Stage, open_page
     page = await open_page(viewer.url)
     watcher = await open_page(viewer.url)
     await ready(page, stage)
-    end(viewer, Episode(1, 0, 40, OUT))
+    end(viewer.room, Episode(1, 0, 40, OUT))
     assert demonstration.finished
     await viewer.close()
     demonstration.close()

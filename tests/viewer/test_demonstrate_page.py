@@ -299,7 +299,7 @@ async def test_the_recording_is_steered_by_keys(
     await text("Practice")
     press = page.keyboard.press
     assert await page.is_disabled("#drop-last")
-    end(viewer, Episode(1, 0, 30, OUT))
+    end(viewer.room, Episode(1, 0, 30, OUT))
     await until(page, "!document.getElementById('drop-last').disabled")
     await press("l")
     await until(page, "viewer.status.last_dropped && viewer.status.kept === 0")
@@ -308,7 +308,7 @@ async def test_the_recording_is_steered_by_keys(
     await press("d")
     await text("this one will be dropped")
     assert await page.get_attribute("#drop", "aria-pressed") == "true"
-    end(viewer, Episode(2, 30, 60, OUT))
+    end(viewer.room, Episode(2, 30, 60, OUT))
     await until(page, "viewer.status.dropped === 1")
     await press("p")
     await text("paused")

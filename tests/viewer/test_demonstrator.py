@@ -2,7 +2,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
@@ -10,13 +9,12 @@ from rcss_hat.hat.demonstrations import DemonstrationInfo, DemonstrationSet
 from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstrator import IDLE_EPISODES, Demonstrator
+from rcss_hat.viewer.demonstrator import Demonstrator, Terms
 from rcss_hat.viewer.narrator import make_frame
 
-from .audience import SETUP, snapshot
+from .audience import PATIENCE, SETUP, STATE, nobody_decides, snapshot
 
 FIELD = {"l1": (0.0, 0.0), "l2": (5.0, 0.0), "l3": (0.0, 6.0), "r1": (-5.0, 0.0), "r2": (-6.0, 0.0)}
-STATE = np.array([0.0, 5.0, 6.0, 5.0, 6.0, 5.0, 6.0, 5.0, 6.0, 10.0, 7.8, 180.0, 90.0])
 
 
 def asked(demonstration: Demonstrator, keeper: int, cycle: int) -> int:
@@ -28,7 +26,7 @@ def asked(demonstration: Demonstrator, keeper: int, cycle: int) -> int:
 class Session:
     """A demonstration written to a file, whose episodes last 20 cycles."""
 
-    def __init__(self, path: Path, episodes: int | None = None, resume: bool = False) -> None:
+    def __init__(self, path: Path, episodes: Terms | int | None = None, resume: bool = False) -> None:
         self.path = path
         self.writer = DemonstrationWriter(path, DemonstrationInfo("person", "arena"), resume)
         self.demonstration = Demonstrator(KeyChannel(), self.writer, episodes)
@@ -183,6 +181,7 @@ def test_a_stopped_demonstration_is_gone_on_with(tmp_path: Path) -> None:
 def test_practice_counts_and_writes_nothing() -> None:
     demonstration = Demonstrator(KeyChannel(), None, 2)
     for number in (1, 2):
+        demonstration.keys.press(0)
         asked(demonstration, 1, 20 * number)
         demonstration.ended([Episode(number, 20 * number, 20 * number + 20, OUT)], 20 * number + 20)
     assert demonstration.finished and demonstration.kept == 2
@@ -224,23 +223,74 @@ def test_episodes_without_a_key_are_marked(session: Session) -> None:
     assert DemonstrationSet.load(session.path) == recorded
 
 
-def test_after_some_idle_episodes_in_a_row_the_person_is_asked(session: Session) -> None:
+def test_without_a_key_for_seconds_of_ones_own_decisions_one_is_asked(session: Session) -> None:
     demonstration = session.demonstration
-    for number in range(2 * IDLE_EPISODES):
-        assert not demonstration.asking
-        if number == 1:
-            session.play()
-        idle(session)
-        if demonstration.asking:
-            break
-    assert session.number == IDLE_EPISODES + 2, "counted anew after the key"
-    assert demonstration.standing and demonstration.status()["asking"]
-    assert session.decide(2) == 0
+    nobody_decides(demonstration, PATIENCE - 1)
+    session.play()  # a key: counted anew
+    nobody_decides(demonstration, PATIENCE - 1)
+    assert not demonstration.asking
+    nobody_decides(demonstration, 1)
+    assert demonstration.asking and demonstration.standing and demonstration.status()["asking"]
+    assert session.decide(2) == 0, "what is asked meanwhile is not played"
     session.end()
-    assert demonstration.kept == IDLE_EPISODES + 2, "what is played while it asks is not kept"
+    assert demonstration.kept == 1, "what is played while it asks, where the game cannot stand still, is not kept"
     assert demonstration.command("here") and not demonstration.standing
     session.play(2)
     assert session.read().episodes[-1].actions.tolist() == [2]
+
+
+def test_at_a_faster_pace_there_are_more_decisions_in_a_second(tmp_path: Path) -> None:
+    session = Session(tmp_path / "x.csv", Terms(speed=5.0))
+    nobody_decides(session.demonstration, 5 * PATIENCE - 1)
+    assert not session.demonstration.asking
+    nobody_decides(session.demonstration, 1)
+    assert session.demonstration.asking
+
+
+def test_idle_episodes_are_written_only_when_the_person_goes_on(session: Session) -> None:
+    session.play(1)
+    idle(session)
+    idle(session)
+    assert len(session.writer.entries) == 1 and session.demonstration.kept == 3
+    session.play(2)
+    session.play(2)
+    assert [e.idle for e in session.writer.entries] == [False, True, True, False]
+    idle(session)
+    nobody_decides(session.demonstration)
+    assert session.demonstration.asking
+    assert [d.idle for d in session.read()] == [False, True, True, False, False], "gone for good: not kept"
+
+
+def test_one_who_has_gone_before_the_last_episode_does_not_finish(tmp_path: Path) -> None:
+    session = Session(tmp_path / "x.csv", episodes=3)
+    session.play(1)
+    idle(session)
+    idle(session)
+    assert session.demonstration.asking and not session.demonstration.finished
+    session.demonstration.command("here")
+    assert session.demonstration.finished and len(session.read()) == 3
+
+
+def test_the_game_waits_for_the_start_key(tmp_path: Path) -> None:
+    session, came = Session(tmp_path / "x.csv", Terms(start=True)), []
+    demonstration = session.demonstration
+    demonstration.on_arrival = lambda: came.append(True)
+    demonstration.person(True)
+    assert demonstration.standing and not demonstration.status()["started"] and not came
+    assert demonstration.command("start")
+    assert not demonstration.standing and came == [True]
+
+
+def test_at_once_means_at_the_end_of_the_episode(tmp_path: Path) -> None:
+    """For studies: nothing is lost but the running episode, and nothing can be dropped."""
+    commands, kept = ("start", "here", "pause", "resume"), []
+    session = Session(tmp_path / "x.csv", Terms(2, at_once=True, commands=commands))
+    session.demonstration.on_kept = lambda episode: kept.append(episode.number)
+    session.play(1)
+    assert len(session.writer.entries) == 1 and kept == [1]
+    for command in ("drop", "drop_last", "stop"):
+        assert not session.demonstration.command(command)
+    assert session.demonstration.command("pause") and session.demonstration.command("resume")
 
 
 def test_who_does_not_look_decides_nothing(session: Session) -> None:

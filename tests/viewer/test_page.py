@@ -287,11 +287,11 @@ async def test_colours_follow_the_system_and_the_switch(viewer: Viewer, open_pag
 async def test_the_end_of_an_episode_is_announced(viewer: Viewer, open_page: OpenPage) -> None:
     page = await open_page(viewer.url)
     await until(page, "viewer.frames > 0")
-    viewer.episode(Episode(9, 100, 223, OUT))
+    viewer.room.episode(Episode(9, 100, 223, OUT))
     await until(page, "document.getElementById('announcer').textContent !== ''")
     assert await page.inner_text("#announcer") == "Episode 9: Ball out after 12.3 s."
     assert await page.inner_text("#banner") == "Ball out after 12.3 s"
-    viewer.notice("The server has gone.")
+    viewer.room.notice("The server has gone.")
     await until(page, "!document.getElementById('notice').hidden")
     assert await page.inner_text("#notice") == "The server has gone."
 

@@ -143,8 +143,9 @@ async def test_the_first_browser_plays_and_the_second_watches(
     viewer: Viewer, pages: list[Page], stage: Stage, controls: Demonstrator
 ) -> None:
     player, watcher = await pages[0].open(), await pages[1].open()
-    assert player.last("hello") == {"type": "hello", "role": "player", "demonstrate": True}
-    assert watcher.last("hello") == {"type": "hello", "role": "watcher", "demonstrate": True}
+    hello = {"type": "hello", "protocol": 1, "demonstrate": True, "plain": False, "language": None}
+    assert player.last("hello") == {**hello, "role": "player"}
+    assert watcher.last("hello") == {**hello, "role": "watcher"}
     stage.show(1)
     await until(lambda: player.last("frame") and watcher.last("frame"))
     for message in (
@@ -210,7 +211,7 @@ async def test_frames_carry_what_the_person_asked_for(
 
 async def test_who_comes_later_is_told_everything(viewer: Viewer, pages: list[Page], stage: Stage) -> None:
     assert stage.audience is not None
-    end(viewer, Episode(1, 0, 40, OUT))
+    end(viewer.room, Episode(1, 0, 40, OUT))
     stage.audience.notice("careful")
     stage.show(41)
     page = await pages[0].open()
@@ -293,13 +294,13 @@ async def test_the_end_of_the_source_is_told_to_pages_and_caller(
 async def test_closing_frees_the_port_and_tells_the_pages(stage: Stage) -> None:
     viewer = await serve(stage, open_browser=False)
     page = await Page(viewer.url).open()
-    assert page.last("hello") == {"type": "hello", "role": "player", "demonstrate": False}
+    assert page.last("hello")["demonstrate"] is False  # type: ignore[index]
     port = int(viewer.url.split(":")[2].split("/")[0])
-    viewer.episode(Episode(1, 0, 40, OUT))
-    viewer.notice("finished")
+    viewer.room.episode(Episode(1, 0, 40, OUT))
+    viewer.room.notice("finished")
     await viewer.close()
     await until(lambda: page.socket.closed)  # type: ignore[union-attr]
-    assert page.last("episode") is not None and page.last("notice") == {"type": "notice", "text": "finished"}
+    assert page.last("episode") is not None and page.last("notice")["text"] == "finished"
     assert page.socket is not None and page.socket.close_code == 1001
     await page.close()
     again = await serve(Stage(), port=port, open_browser=False)

@@ -12,14 +12,14 @@ import pytest
 from rcss_hat.keepaway.report import OUT, Episode
 from rcss_hat.viewer.audience import Audience, WatchError
 from rcss_hat.viewer.controls import KeyChannel
-from rcss_hat.viewer.demonstrator import Demonstrator
+from rcss_hat.viewer.demonstrator import Demonstrator, Terms
 from rcss_hat.viewer.frames import Frame, Setup
 from rcss_hat.viewer.narrator import make_frame
 from rcss_hat.viewer.playback import Playback
 from rcss_hat.viewer.recording import read_recording
 from rcss_hat.viewer.terminal import Terminal, draw_pitch, read_keys
 
-from .audience import DATA, SETUP, end, snapshot, until
+from .audience import DATA, SETUP, end, nobody_decides, snapshot, until
 
 FIELD = {"l1": (-8.0, -8.0), "l2": (8.0, -8.0), "l3": (0.0, 8.0), "r1": (-8.0, 8.0), "r2": (-4.0, 4.0)}
 COLOURS = re.compile(r"\x1b\[[0-9;]*m")
@@ -196,9 +196,18 @@ async def test_a_terminal_asks_whether_anybody_is_there() -> None:
     terminal = Terminal(Told(), demonstration, io.StringIO())
     terminal.setup(SETUP, True)
     terminal.frame(frame())
-    for number in (1, 2, 3):
-        assert "Is anybody there?" not in "\n".join(terminal.text(100, 30))
-        end(terminal, Episode(number, 30 * number, 30 * number + 30, OUT))
-    assert "Is anybody there?" in "\n".join(terminal.text(100, 30)) and demonstration.standing
+    assert "Are you still there?" not in "\n".join(terminal.text(100, 30))
+    nobody_decides(demonstration)
+    assert "Are you still there?" in "\n".join(terminal.text(100, 30)) and demonstration.standing
     terminal.press("1")
     assert not demonstration.standing and demonstration.keys.pending is None, "the key answered, and passed nothing"
+
+
+async def test_a_terminal_begins_with_a_key() -> None:
+    demonstration = Demonstrator(KeyChannel(), None, Terms(start=True))
+    terminal = Terminal(Told(), demonstration, io.StringIO())
+    terminal.setup(SETUP, True)
+    terminal.frame(frame())
+    assert "any key begins" in "\n".join(terminal.text(100, 30)) and demonstration.standing
+    terminal.press("1")
+    assert not demonstration.standing and demonstration.keys.pending is None

@@ -40,7 +40,7 @@ class Viewer {
 
   // -- connection -----------------------------------------------------------------------------------------------------
   connect() {
-    this.socket = new WebSocket(`ws://${location.host}/socket`);
+    this.socket = new WebSocket(new URL("socket", location.href.split("?")[0]).href.replace(/^http/, "ws"));
     this.socket.addEventListener("open", () => { this.connection("on", "connected"); this.tellLook(); });
     this.socket.addEventListener("message", (event) => this.take(JSON.parse(event.data)));
     this.socket.addEventListener("close", (event) => {
