@@ -25,6 +25,7 @@ from rcss_hat.keepaway.report import INTERRUPTED as INTERRUPTED
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
 from rcss_hat.protocol.params import PROFILES
+from rcss_hat.schema import did_you_mean
 from rcss_hat.system.files import check_target, named
 
 if TYPE_CHECKING:
@@ -149,6 +150,18 @@ def plain_errors(*kinds: type[Exception]) -> Iterator[None]:
         fail(str(error))
     except kinds as error:
         fail(str(error))
+
+
+class OneOf(click.Choice[str]):
+    """One of some names; what a wrong one may have been is suggested."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the name."""
+        try:
+            return super().convert(value, param, ctx)
+        except click.BadParameter as problem:
+            near = did_you_mean(str(value), map(str, self.choices))
+            self.fail(problem.message.removesuffix(".") + near, param, ctx)
 
 
 class Target(click.Path):

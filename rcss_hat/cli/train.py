@@ -17,6 +17,7 @@ from click.core import ParameterSource
 
 from rcss_hat.cli.common import (
     INTERRUPTED,
+    OneOf,
     Target,
     deliver,
     drawn,
@@ -97,7 +98,7 @@ class TrainOptions:
 
 
 @click.command()
-@click.option("--method", type=click.Choice(METHOD_NAMES), default="none", show_default=True, help="Transfer method.")
+@click.option("--method", type=OneOf(METHOD_NAMES), default="none", show_default=True, help="Transfer method.")
 @click.option("--rules", type=click.Path(dir_okay=False, path_type=Path), help="Decision list: the advice.")
 @click.option("--demonstrations", type=click.Path(dir_okay=False, path_type=Path), help="Demonstrations to replay.")
 @click.option("--hours", type=click.FloatRange(0, min_open=True), default=30.0, show_default=True, help="Simulated.")

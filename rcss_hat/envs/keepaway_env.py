@@ -80,6 +80,18 @@ class KeepawayEnv(gymnasium.Env[Observation, np.int64]):
     ------
     ValueError
         Naming what would be right.
+
+    Examples
+    --------
+    >>> from rcss_hat import KeepawayEnv
+    >>> env = KeepawayEnv()
+    >>> observation, info = env.reset(seed=1)
+    >>> over, total = False, 0.0
+    >>> while not over:
+    ...     observation, reward, over, truncated, info = env.step(0)
+    ...     total += reward
+    >>> total == info["duration"]
+    True
     """
 
     metadata: dict[str, Any] = {"render_modes": RENDER_MODES, "render_fps": FPS}  # noqa: RUF012 (Gymnasium's)

@@ -55,6 +55,16 @@ class KeepawayVectorEnv(VectorEnv[NDArray[np.float32], NDArray[np.int64], NDArra
     **options
         ``size, field, vision, profile, hold_cycles, max_cycles, normalize, reward, discount``, as those of
         `rcss_hat.envs.keepaway_env.KeepawayEnv`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcss_hat import KeepawayVectorEnv
+    >>> envs = KeepawayVectorEnv(4)
+    >>> observations, infos = envs.reset(seed=1)
+    >>> observations, rewards, *_ = envs.step(np.zeros(4, dtype=np.int64))
+    >>> observations.shape, rewards.shape
+    ((4, 13), (4,))
     """
 
     def __init__(

@@ -141,6 +141,16 @@ def read_episode_log(path: Path) -> pd.DataFrame:
     EpisodeLogError
         When the file is not an episode log.
     FileNotFoundError
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import rcss_hat
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     run = rcss_hat.learn(folder, hours=0.1, seed=1)
+    ...     log = rcss_hat.read_episode_log(run.folder / "episodes.csv")
+    >>> list(log.columns)
+    ['episode', 'start', 'duration', 'reason', 'psi', 'hour', 'seconds']
     """
     if not path.exists():
         raise FileNotFoundError(f"{path}: there is no such episode log")

@@ -118,6 +118,14 @@ def learning_curve(log: pd.DataFrame, hours: ArrayLike, window: int = WINDOW) ->
     -------
     ndarray of float64, shape (k,)
         Seconds; nan at times before the end of the first episode.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from rcss_hat import learning_curve
+    >>> log = pd.DataFrame({"start": [0, 18_000], "duration": [18_000, 9_000]})  # cycles of 0.1 s
+    >>> learning_curve(log, hours=[0.25, 0.5, 1.0]).tolist()
+    [nan, 1800.0, 1350.0]
     """
     means = windowed_means(durations(log), window)
     finished = np.searchsorted(end_hours(log), np.asarray(hours, dtype=np.float64), side="right")

@@ -53,6 +53,12 @@ class RunConfig:
         Where it is played: ``arena``, ``fake``, ``real`` or ``HOST:PORT``.
     source : str
         Where rules or demonstrations came from, for people.
+
+    Examples
+    --------
+    >>> from rcss_hat import METHODS, RunConfig, Task, load_config
+    >>> RunConfig(task=Task(), learner=load_config("paper"), method=METHODS["no-prior"](), seed=1, hours=0.5).cycles
+    18000
     """
 
     task: Task

@@ -22,6 +22,7 @@ from rcss_hat.hat.mapping import map_rules
 from rcss_hat.hat.summarize import summarize
 from rcss_hat.inputs import FileFormatError, item
 from rcss_hat.keepaway.task import Task
+from rcss_hat.schema import did_you_mean
 from rcss_hat.system.files import write_text
 
 SUMMARY_SEED = 1
@@ -256,6 +257,12 @@ def package_demonstrations(name: str) -> DemonstrationSet:
     ------
     StudyError
         When there is none of that name.
+
+    Examples
+    --------
+    >>> from rcss_hat import package_demonstrations
+    >>> len(package_demonstrations("A"))
+    20
     """
     folder = files("rcss_hat.hat") / "data" / "demonstrations"
     known = (
@@ -266,6 +273,7 @@ def package_demonstrations(name: str) -> DemonstrationSet:
     if name not in known:
         raise StudyError(
             f"no demonstration set {name!r} ships with the package; there are {', '.join(known) or 'none'}"
+            f"{did_you_mean(name, known)}"
         )
     with as_file(folder) as path:
         return DemonstrationSet.load(path / f"{name}.csv")

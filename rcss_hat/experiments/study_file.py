@@ -43,7 +43,7 @@ from rcss_hat.hat.transfer import make_method
 from rcss_hat.inputs import FileFormatError, check_name, read_text
 from rcss_hat.learning.config import LearnerConfig, load_config
 from rcss_hat.numeric.seeds import derived_seed
-from rcss_hat.schema import MAX_TOML, parse_toml, read
+from rcss_hat.schema import MAX_TOML, did_you_mean, parse_toml, read
 
 Named = TypeVar("Named", Table, Figure)
 
@@ -68,7 +68,8 @@ def study_text(name_or_path: str) -> tuple[str, Path]:
     path = Path(name_or_path)
     if not path.is_file():
         known = ", ".join(study_names())
-        raise StudyError(f"no study {name_or_path!r}: there are {known}, or give a TOML file of the same form")
+        near = did_you_mean(name_or_path, study_names())
+        raise StudyError(f"no study {name_or_path!r}: there are {known}, or give a TOML file of the same form{near}")
     try:
         return read_text(path, "study", MAX_TOML), path.resolve().parent
     except FileFormatError as problem:

@@ -82,6 +82,16 @@ class TrainingRun:
         What ended `train` early.
     recent : deque of int
         Durations of the last `WINDOW` episodes, cycles.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from rcss_hat import METHODS, RunConfig, Task, TrainingRun, load_config
+    >>> config = RunConfig(task=Task(), learner=load_config("best"), method=METHODS["no-prior"](), seed=1, hours=0.1)
+    >>> with tempfile.TemporaryDirectory() as folder, TrainingRun.create(Path(folder), config) as run:
+    ...     run.train()
+    True
     """
 
     def __init__(self, folder: Path, config: RunConfig, learners: Learners, rules: DecisionList | None) -> None:

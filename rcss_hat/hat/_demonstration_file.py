@@ -102,6 +102,23 @@ def file_pair(path: str | Path) -> tuple[Path, Path]:
     return path.with_suffix(".csv"), path.with_suffix(".json")
 
 
+def check_there(path: str | Path) -> None:
+    """Check that both files of a demonstration are there.
+
+    Raises
+    ------
+    FileFormatError
+        Naming the file that was named.
+    """
+    named, (table, header) = Path(path), file_pair(path)
+    there = [file for file in (table, header) if file.exists()]
+    if not there:
+        raise FileFormatError(f"{named}: there is no such demonstration")
+    if len(there) == 1:
+        missing, what = (header, "header") if there[0] == table else (table, "table")
+        raise FileFormatError(f"{named}: its {what} {missing.name} is not there; a demonstration is two files")
+
+
 def columns(n_variables: int) -> list[str]:
     """Columns of the table."""
     return ["episode", "cycle", "keeper", *(f"s{k}" for k in range(n_variables)), "action"]

@@ -5,10 +5,11 @@ JRip prints no numbers for the actions one by one, only how much weight a rule c
 
 from __future__ import annotations
 
+import math
 import re
 from typing import NamedTuple, NoReturn
 
-from rcss_hat.hat.conditions import AT_LEAST, AT_MOST, Condition
+from rcss_hat.hat.conditions import AT_LEAST, AT_MOST, Condition, each_bound_once
 from rcss_hat.inputs import FileFormatError, excerpt
 
 _MAX_DIGITS = 6
@@ -23,7 +24,9 @@ _TOKEN = re.compile(
       | (?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
       | (?P<at_most><=|≤)
       | (?P<at_least>>=|≥)
+      | (?P<below><)
       | (?P<arrow>->|→|=>)
+      | (?P<above>>)
       | (?P<sign>[()=/])""",
     re.VERBOSE | re.IGNORECASE,
 )
@@ -57,12 +60,24 @@ class _Token(NamedTuple):
 
 
 def rule_text(conditions: tuple[Condition, ...], digits: int | None = None) -> str:
-    """Write conditions: ``state_11 >= 74.84 and state_3 <= 5.99``."""
-    return " and ".join(f"state_{c.feature} {c.operator} {_number(c.threshold, digits)}" for c in conditions)
+    """Write conditions, each bound once: ``state_11 >= 74.84 and state_3 <= 5.99``."""
+    return " and ".join(f"state_{c.feature} {_bound(c, digits)}" for c in each_bound_once(conditions))
 
 
-def _number(value: float, digits: int | None) -> str:
-    return repr(value) if digits is None else f"{value:.{digits}f}"
+def _bound(condition: Condition, digits: int | None) -> str:
+    """Write operator and threshold; the largest number below 5 is not written ``<= 4.999999999999999`` but ``< 5``."""
+    operator, threshold = condition.operator, condition.threshold
+    if digits is not None:
+        return f"{operator} {threshold:.{digits}f}"
+    beyond = math.nextafter(threshold, math.inf if operator == AT_MOST else -math.inf)
+    if not math.isfinite(beyond):
+        return f"{operator} {_number(threshold)}"
+    with_it, without_it = f"{operator} {_number(threshold)}", f"{operator[0]} {_number(beyond)}"
+    return without_it if len(without_it) + 1 < len(with_it) else with_it
+
+
+def _number(value: float) -> str:
+    return repr(value).removesuffix(".0")
 
 
 def parse_rules(text: str) -> list[ParsedRule]:
@@ -96,8 +111,7 @@ def _tokens(text: str, line: int = 1) -> list[_Token]:
     while position < len(text):
         match = _TOKEN.match(text, position)
         if match is None:
-            hint = "; a bound is written <= or >=" if text[position] in "<>" else ""
-            raise FileFormatError(f"line {line}: {text[position]!r} has no meaning in rules{hint}")
+            raise FileFormatError(f"line {line}: {text[position]!r} has no meaning in rules")
         kind = match.lastgroup if match["variable"] is None else "variable"
         if kind != "skip":
             tokens.append(_Token(str(kind), match[0], match["index"] or match[0].lower(), line))
@@ -170,14 +184,19 @@ class _Parser:
 
     def condition(self) -> Condition:
         feature = self.need("a state variable, for example state_3", "variable")
-        if self.take("at_most"):
+        strict = self.peek("below") or self.peek("above")
+        if self.take("at_most") or self.take("below"):
             operator = AT_MOST
         else:
-            self.need("'<=' or '>='", "at_least")
+            if not self.take("above"):
+                self.need("'<=' or '>='", "at_least")
             operator = AT_LEAST
         token = self.need("a number", "number")
+        threshold = float(token.value)
+        if strict:
+            threshold = math.nextafter(threshold, -math.inf if operator == AT_MOST else math.inf)
         try:
-            return Condition(self.index(feature), operator, float(token.value))
+            return Condition(self.index(feature), operator, threshold)
         except ValueError as error:
             raise FileFormatError(f"line {token.line}: {error}") from error
 

@@ -58,6 +58,23 @@ class Condition:
         return column <= self.threshold if self.operator == AT_MOST else column >= self.threshold
 
 
+def each_bound_once(conditions: tuple[Condition, ...]) -> tuple[Condition, ...]:
+    """Leave out what follows from another bound of the same kind: of several on a variable the tightest decides.
+
+    Returns
+    -------
+    tuple of Condition
+        In the order in which variables and operators come first.
+    """
+    tightest: dict[tuple[int, str], Condition] = {}
+    for condition in conditions:
+        bound = (condition.feature, condition.operator)
+        known = tightest.get(bound)
+        if known is None or known.holds(condition.threshold):
+            tightest[bound] = condition
+    return tuple(tightest.values())
+
+
 def covered_by_all(conditions: tuple[Condition, ...], rows: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Which rows fulfil all conditions; every row does when there are none."""
     covered = np.ones(len(rows), dtype=np.bool_)

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rcss_hat.hat._rule_shortening import shorten
 from rcss_hat.hat._rule_text import MAX_WEIGHT, ParsedRule, parse_rules, rule_text
 from rcss_hat.hat.conditions import AT_LEAST
 from rcss_hat.hat.rule import Rule, counts_from, rule_from
@@ -52,6 +53,19 @@ class DecisionList:
     ------
     ValueError
         When a variable, an action or the counts do not fit the task.
+
+    Examples
+    --------
+    >>> from rcss_hat import DecisionList
+    >>> rules = DecisionList.parse('''
+    ... if (state_3 <= 4.5 and state_11 >= 60) -> Action = 1
+    ... else -> Action = 0
+    ... ''')
+    >>> print(rules)
+    if (state_3 <= 4.5 and state_11 >= 60) -> Action = 1  # PASS1; state_3 = dist(K1,T1); state_11 = min_ang(K2,K1,T)
+    else -> Action = 0                                    # Hold
+    >>> rules([8.0] * 3 + [4.0] * 8 + [75.0] * 2)
+    1
     """
 
     rules: tuple[Rule, ...]
@@ -163,10 +177,23 @@ class DecisionList:
         *conditional, default = rules
         return cls(tuple(conditional), default.action, keepers, takers, default.counts, title=title)
 
+    def shortened(self, states: ArrayLike) -> DecisionList:
+        """Return the list with thresholds of as few decimals as decide all of some states as this one does.
+
+        Parameters
+        ----------
+        states : array-like, shape (n_rows, n_variables)
+            Such as those that it was learned from. States between them may be decided otherwise.
+        """
+        rows = np.asarray(states, dtype=np.float64).reshape(-1, len(self.names))
+        decided = self.predict(rows)
+        rules = shorten(self.rules, lambda rules: np.array_equal(replace(self, rules=rules).predict(rows), decided))
+        return replace(self, rules=rules)
+
     # --- text ---------------------------------------------------------------------------------------------------
 
     def format(self, comments: bool = True, digits: int | None = None) -> str:
-        """Print the rules as the HAT paper does (section 5).
+        """Print the rules as the HAT paper does (section 5), each bound of a rule once.
 
         Parameters
         ----------

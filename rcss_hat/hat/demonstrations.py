@@ -16,6 +16,7 @@ from rcss_hat.hat._demonstration_file import (
     check_decision,
     check_episode,
     check_final,
+    check_there,
     columns,
     file_pair,
     header_text,
@@ -72,6 +73,13 @@ class Demonstration:
     Notes
     -----
     The arrays are copies that cannot be written to.
+
+    Examples
+    --------
+    >>> import rcss_hat
+    >>> first = rcss_hat.package_demonstrations("A").episodes[0]
+    >>> first.teacher, len(first) == len(first.states)
+    ('A', True)
     """
 
     episode: Episode
@@ -153,6 +161,13 @@ class DemonstrationSet:
     ------
     ValueError
         When a decision does not fit the task.
+
+    Examples
+    --------
+    >>> import rcss_hat
+    >>> best = rcss_hat.package_demonstrations("A").best(5)
+    >>> len(best), best.X.shape == (best.n_decisions, 13), best.y.shape == (best.n_decisions,)
+    (5, True, True)
     """
 
     info: DemonstrationInfo
@@ -322,6 +337,7 @@ class DemonstrationSet:
         FileFormatError
             Naming file, line and what would be right.
         """
+        check_there(path)
         table, header = file_pair(path)
         info, entries = read_header(header)
         episodes = []

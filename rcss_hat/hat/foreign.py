@@ -150,6 +150,8 @@ def _module(spec: str, name: str) -> ModuleType:
         if error.name is not None and (name == error.name or name.startswith(f"{error.name}.")):
             raise PolicyError(f"there is no module {error.name!r} here or among the installed, for {spec!r}") from error
         raise PolicyError(f"{name} cannot be imported: {told(error)}") from error
+    except PolicyError:  # there is no such file
+        raise
     except Exception as error:
         raise PolicyError(f"{name} cannot be imported: {told(error)}") from error
     except SystemExit as error:

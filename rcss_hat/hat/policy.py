@@ -31,6 +31,7 @@ from rcss_hat.keepaway.decision import Decide, DecisionTimes, EpisodeEnd, OnFram
 from rcss_hat.keepaway.decision import PolicyError as PolicyError
 from rcss_hat.keepaway.state import n_state_variables
 from rcss_hat.keepaway.task import Task
+from rcss_hat.schema import did_you_mean
 
 FIXED = tuple(KIND_NAMES)
 
@@ -153,6 +154,16 @@ def load_policy(spec: str, keepers: int, takers: int, seed: int, task: Task | No
     ------
     PolicyError
         Saying what would be right.
+
+    Examples
+    --------
+    >>> from rcss_hat import load_policy
+    >>> load_policy("hand", keepers=3, takers=2, seed=1).spec
+    'hand'
+    >>> load_policy("hnad", keepers=3, takers=2, seed=1)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    rcss_hat.keepaway.decision.PolicyError: 'hnad' is none of hold, random, hand, ...; did you mean 'hand'?
     """
     if spec in KIND_NAMES:
         return TeamPolicy(spec, fixed_brains(KIND_NAMES[spec], keepers, takers, seed), keepers, takers)
@@ -167,7 +178,7 @@ def load_policy(spec: str, keepers: int, takers: int, seed: int, task: Task | No
     if not path.exists():
         raise PolicyError(
             f"{spec!r} is none of {', '.join([*FIXED, *POLICIES])}, and there is no such decision list or training run "
-            "(policies in Python are written module:object)"
+            f"(policies in Python are written module:object){did_you_mean(spec, [*FIXED, *POLICIES])}"
         )
     try:
         rules = DecisionList.load(path, keepers, takers)

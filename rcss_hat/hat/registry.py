@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping
 from importlib.metadata import entry_points
 from typing import Any
 
+from rcss_hat.schema import did_you_mean
+
 
 class RegistryError(ValueError, KeyError):
     """A name that nobody has, or another package's thing that cannot be used."""
@@ -45,7 +47,7 @@ class Registry(Mapping[str, Any]):
             return getattr(importlib.import_module(module), attribute)
         found = list(entry_points(group=self.group, name=name))
         if not found:
-            raise RegistryError(f"no {self.what} {name!r}; there are {', '.join(self)}")
+            raise RegistryError(f"no {self.what} {name!r}; there are {', '.join(self)}{did_you_mean(name, self)}")
         if len(found) > 1:
             raise RegistryError(f"the {self.what} {name!r} is in several packages: {', '.join(e.value for e in found)}")
         try:

@@ -27,6 +27,8 @@ class Summary:
     ----------
     decision_list : DecisionList
         Learned from all decisions.
+    printed : DecisionList
+        The same for people: thresholds of as few decimals as decide every demonstrated state alike.
     teacher : str
     n_episodes, n_decisions : int
     seed : int
@@ -44,6 +46,7 @@ class Summary:
     """
 
     decision_list: DecisionList
+    printed: DecisionList
     teacher: str
     n_episodes: int
     n_decisions: int
@@ -85,7 +88,7 @@ class Summary:
             f"{len(self.decision_list)} rules from {self.n_decisions} decisions in {self.n_episodes} episodes of "
             f"{self.teacher}:",
             "",
-            self.decision_list.format(),
+            self.printed.format(),
             "",
             *(f"{text + ':':<{width + 1}} {_percent(value)}" for text, value in figures),
         ]
@@ -127,6 +130,13 @@ def summarize(demonstrations: DemonstrationSet, seed: int, learner: RipperClassi
     ------
     ValueError
         When there are too few decisions to learn from.
+
+    Examples
+    --------
+    >>> import rcss_hat
+    >>> summary = rcss_hat.summarize(rcss_hat.package_demonstrations("A"), seed=1)
+    >>> len(summary.decision_list), bool(summary.training_accuracy > summary.majority_share)
+    (4, True)
     """
     template = clone(learner) if learner is not None else RipperClassifier()
     template.set_params(random_state=seed)
@@ -140,8 +150,10 @@ def summarize(demonstrations: DemonstrationSet, seed: int, learner: RipperClassi
     fitted = clone(template).fit(X, y)
     predicted = _predicted_stratified(template, X, y, seed)
     known = predicted >= 0
+    rules = DecisionList.from_classifier(fitted, task.keepers, task.takers, demonstrations.info.teacher)
     return Summary(
-        DecisionList.from_classifier(fitted, task.keepers, task.takers, demonstrations.info.teacher),
+        rules,
+        rules.shortened(X),
         demonstrations.info.teacher,
         len(demonstrations),
         len(y),

@@ -140,6 +140,13 @@ class RunReport:
         What a policy in Python took to answer over UDP, on average and at most; None: no such policy was asked.
     late_decisions, patience_ms : int, float or None
         How many of its answers took longer than the server waits for one: a cycle, in synch mode more.
+
+    Examples
+    --------
+    >>> import rcss_hat
+    >>> report = rcss_hat.play("hold", episodes=20, seed=1)
+    >>> report.size, report.stage, len(report.episodes), len(report.durations_s)
+    ('3v2', 'arena', 20, 20)
     """
 
     stage: str
@@ -218,6 +225,11 @@ class RunReport:
     def durations_s(self) -> list[float]:
         """Episode durations in simulated seconds."""
         return [episode.cycles / 10.0 for episode in self.episodes]
+
+    @property
+    def mean_s(self) -> float:
+        """Mean duration of the episodes in simulated seconds; nan without any."""
+        return mean_and_ci95(self.durations_s)[0]
 
     @property
     def exit_code(self) -> int:

@@ -23,6 +23,14 @@ class Task:
         View angle in degrees at normal width: 360 or 90.
     profile : {"19.0", "11.1"}
         Whose physics.
+
+    Examples
+    --------
+    >>> from rcss_hat import Task
+    >>> Task()
+    Task(keepers=3, takers=2, length=20.0, width=20.0, vision=360, profile='19.0')
+    >>> Task.parse("4v3").field
+    '30x30'
     """
 
     keepers: int = 3

@@ -30,6 +30,12 @@ class LearnerConfig:
     ------
     ValueError
         Naming the setting, its value and what would be right.
+
+    Examples
+    --------
+    >>> from rcss_hat import LearnerConfig
+    >>> LearnerConfig(approximator="rbf", epsilon=0.05).gamma
+    1.0
     """
 
     name: str = "players"
@@ -150,6 +156,12 @@ def load_config(name_or_path: str | Path) -> LearnerConfig:
         When there is no such preset, or the file is not valid; the message names the file.
     FileNotFoundError
         When there is no such file.
+
+    Examples
+    --------
+    >>> from rcss_hat import load_config
+    >>> load_config("paper").approximator
+    'rbf'
     """
     name = str(name_or_path)
     if name.endswith(".toml") and not Path(name).exists():

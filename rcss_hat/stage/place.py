@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rcss_hat.schema import did_you_mean
+
 if TYPE_CHECKING:
     from rcss_hat.keepaway.task import Task
     from rcss_hat.protocol.params import Value
@@ -28,6 +30,12 @@ class Place:
         Of a server that somebody else runs.
     executable : str or None
         The rcssserver of ``real``; None: the one on the PATH.
+
+    Examples
+    --------
+    >>> from rcss_hat import Place
+    >>> Place.parse("localhost:6000").address
+    ('localhost', 6000)
     """
 
     name: str
@@ -116,4 +124,5 @@ def parse_address(text: str, words: tuple[str, ...] = ()) -> Address:
     if colon and host and port.isascii() and port.isdigit() and 0 < int(port) < 65536:
         return host, int(port)
     listed = f"none of {', '.join(words)}, and not" if words else "not"
-    raise ValueError(f"{text!r} is {listed} HOST:PORT, for example localhost:6000")
+    near = did_you_mean(text, words)
+    raise ValueError(f"{text!r} is {listed} HOST:PORT, for example localhost:6000{near}")

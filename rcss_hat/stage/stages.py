@@ -37,6 +37,12 @@ class Part:
     on_frame : callable, optional
         Told what there is to see in every cycle, before the decisions of that cycle; a record of
         `rcss_hat.arena.records.FRAME`. Not on servers: who wants to see a match there connects as a monitor.
+
+    Examples
+    --------
+    >>> from rcss_hat import Part
+    >>> Part(episodes=10).cycles is None
+    True
     """
 
     episodes: int | None = None
@@ -146,6 +152,15 @@ def open_stage(place: Place, task: Task, seed: int, policy: TeamPolicy | None, t
         When the terms make no sense there.
     ServerFailed
         When there is no server to start.
+
+    Examples
+    --------
+    >>> from rcss_hat import Part, Place, Task, load_policy, open_stage
+    >>> decisions = []
+    >>> with open_stage(Place.parse("arena"), Task(), 1, load_policy("hand", 3, 2, seed=1)) as stage:
+    ...     report = stage.play(Part(episodes=2, on_decision=decisions.append))
+    >>> len(report.episodes), len(decisions[0].state)
+    (2, 13)
     """
     # Imported here, for the arena's loop takes long to import and servers do without, and the other way round.
     if place.name == ARENA:

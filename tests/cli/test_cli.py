@@ -32,6 +32,27 @@ def test_help_of_every_command_shows_an_example(name: str) -> None:
     assert f"rcss-hat {name}" in result.output
 
 
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("paly", "no such command 'paly'; did you mean 'play'?"),
+        ("play --kepers hand", "No such option '--kepers'. (Did you mean one of: '--keepers', '--takers'?)"),
+        ("play --on arean", "HOST:PORT, for example localhost:6000; did you mean 'arena'?"),
+        ("play --on arena --keepers hnad", "(policies in Python are written module:object); did you mean 'hand'?"),
+        ("train --method prp --out x", "'chat', 'replay'; did you mean 'ppr'?"),
+        ("experiment papr", "or give a TOML file of the same form; did you mean 'paper'?"),
+        ("sets b-fast", "there are A, B, B-fast, B-limited, C; did you mean 'B-fast'?"),
+        ("summarize nofile.csv", "Error: nofile.csv: there is no such demonstration"),
+        ("train --method replay --demonstrations no.csv --out x", "no.csv: there is no such demonstration"),
+        ("play --on arena --keepers mine.py:policy", "Invalid value for --keepers: there is no file 'mine.py'"),
+    ],
+)
+def test_what_is_mistyped_is_suggested_and_what_was_named_is_named(typed: str, said: str) -> None:
+    result = invoke(*typed.split())
+    assert result.exit_code in (1, 2)
+    assert result.stderr.rstrip().endswith(said)
+
+
 def test_help_needs_no_compiler() -> None:
     code = "import sys; from rcss_hat.cli.main import main; sys.argv = ['rcss-hat', '--help']\n"
     code += "try:\n    main()\nexcept SystemExit:\n    pass\nprint('numba' in sys.modules)"

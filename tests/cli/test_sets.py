@@ -61,7 +61,7 @@ def test_random_picks_are_decided_by_the_seed(tmp_path: Path) -> None:
     ("arguments", "code", "message"),
     [
         (("Z",), 1, "no demonstration set 'Z' ships with the package; there are A, B, B-fast, B-limited, C"),
-        (("no.csv",), 1, "no.json"),
+        (("no.csv",), 1, "no.csv: there is no such demonstration"),
         (("A", "--pick", "best"), 2, "--pick and --episodes go together"),
         (("A", "--rest", "r.csv"), 2, "--rest needs --pick"),
         (("A", "--pick", "best", "--episodes", "21"), 1, "has 20 episodes; cannot take 21 of them"),

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcss_hat.hat.conditions import Condition
+from rcss_hat.hat.conditions import Condition, each_bound_once
 from rcss_hat.hat.decision_list import (
     PAPER_RULES,
     DecisionList,
@@ -145,8 +145,54 @@ def test_text_reads_back(decision_list: DecisionList) -> None:
         again = DecisionList.parse(decision_list.format(comments), decision_list.keepers, decision_list.takers)
         assert again.default_action == decision_list.default_action
         assert [(rule.conditions, rule.action) for rule in again.rules] == [
-            (rule.conditions, rule.action) for rule in decision_list.rules
+            (each_bound_once(rule.conditions), rule.action) for rule in decision_list.rules
         ]
+
+
+@given(decision_lists(), st.integers(0, 10**6))
+def test_what_is_printed_decides_the_same(decision_list: DecisionList, seed: int) -> None:
+    rows = states(decision_list, seed)
+    again = DecisionList.parse(decision_list.format(), decision_list.keepers, decision_list.takers)
+    assert again.predict(rows).tolist() == decision_list.predict(rows).tolist()
+
+
+def test_each_bound_is_printed_once() -> None:
+    rules = DecisionList.parse(
+        "if (state_3 <= 5 and state_1 >= 2 and state_3 <= 4 and state_3 >= 1 and state_3 <= 4) -> Action = 1\n"
+        "else -> Action = 0"
+    )
+    assert rules.format(comments=False).startswith("if (state_3 <= 4 and state_1 >= 2 and state_3 >= 1) -> Action = 1")
+    assert len(rules.rules[0].conditions) == 5  # what was learned is kept
+
+
+@pytest.mark.parametrize(
+    ("operator", "threshold", "printed"),
+    [
+        ("<=", 4.999999999999999, "< 5"),
+        (">=", 49.00000000000001, "> 49"),
+        ("<=", 5.0, "<= 5"),
+        ("<=", 4.98765, "<= 4.98765"),
+        ("<=", 1.7976931348623157e308, "<= 1.7976931348623157e+308"),
+    ],
+)
+def test_thresholds_are_as_short_as_they_can_be(operator: str, threshold: float, printed: str) -> None:
+    rules = DecisionList((Rule((Condition(3, operator, threshold),), 1),))  # type: ignore[arg-type]
+    assert rules.format(comments=False).startswith(f"if (state_3 {printed}) -> Action = 1")
+    assert DecisionList.parse(rules.format()).rules[0].conditions[0].threshold == threshold
+
+
+@given(decision_lists(), st.integers(0, 10**6))
+def test_a_shortened_list_decides_the_states_alike(decision_list: DecisionList, seed: int) -> None:
+    rows = states(decision_list, seed)
+    short = decision_list.shortened(rows)
+    assert short.predict(rows).tolist() == decision_list.predict(rows).tolist()
+
+
+def test_shortened_thresholds_need_not_be_exact() -> None:
+    rows = np.full((3, 13), 5.0)
+    rows[:, 3] = [3.8034, 4.5, 6.0]
+    rules = DecisionList((Rule((Condition(3, "<=", 3.803429424718979),), 1),))
+    assert rules.shortened(rows).format(comments=False).startswith("if (state_3 <= 4) -> Action = 1")
 
 
 @given(decision_lists())
@@ -184,7 +230,7 @@ def test_other_spellings_are_understood() -> None:
         ("", r"line 1: expected 'if \(' or 'else ->', found the end of the text"),
         ("when (state_1 <= 2)", r"line 1: expected 'if \(' or 'else ->', found 'when'"),
         ("if state_1 <= 2", r"line 1: expected '\(', found 'state_1'"),
-        ("if (state_1 < 2) -> Action = 1", "line 1: '<' has no meaning in rules; a bound is written <= or >="),
+        ("if (state_1 & 2) -> Action = 1", "line 1: '&' has no meaning in rules"),
         ("if (dist <= 2)", "line 1: expected a state variable, for example state_3, found 'dist'"),
         ("if (state_1 <= x)", "line 1: expected a number, found 'x'"),
         ("if (state_1 = 3)", "line 1: expected '<=' or '>=', found '='"),

@@ -330,8 +330,15 @@ def test_errors_of_the_header_name_the_entry(tmp_path: Path, change: dict[str, o
 
 
 def test_missing_files_and_other_names(tmp_path: Path) -> None:
-    with pytest.raises(FileFormatError, match=r"demo\.json: there is no such header of a demonstration"):
+    for name in ("demo.csv", "demo.json"):
+        with pytest.raises(FileFormatError, match=rf"{name}: there is no such demonstration"):
+            DemonstrationSet.load(tmp_path / name)
+    made_up().save(tmp_path / "demo.csv")
+    (tmp_path / "demo.json").rename(tmp_path / "other.json")
+    with pytest.raises(FileFormatError, match=r"demo\.csv: its header demo\.json is not there"):
         DemonstrationSet.load(tmp_path / "demo.csv")
+    with pytest.raises(FileFormatError, match=r"other\.json: its table other\.csv is not there"):
+        DemonstrationSet.load(tmp_path / "other.json")
     with pytest.raises(FileFormatError, match=r"the name of a demonstration ends in \.csv"):
         DemonstrationSet.load(tmp_path / "demo.txt")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -50,7 +51,10 @@ def test_seed_decides(summary: Summary) -> None:
 
 def test_report_shows_rules_and_figures(summary: Summary) -> None:
     text = summary.to_text()
-    assert summary.decision_list.format() in text
+    assert summary.printed.format() in text
+    assert max(len(number.partition(".")[2]) for number in re.findall(r"[<>]=? (\S+?)[ )]", text)) < 10
+    X = hand_coded().X
+    assert summary.printed.predict(X).tolist() == summary.decision_list.predict(X).tolist()
     assert f"accuracy, stratified cross-validation:    {100 * summary.accuracy:.1f} %" in text
     assert "share of the most frequent action (Hold): 86.5 %" in text
     assert "from 834 decisions in 20 episodes of hand:" in text

@@ -53,7 +53,16 @@ an action number, or `NO_ADVICE`; its confidence lies between 0 and 1."""
 
 
 class TransferMethod(ABC):
-    """Base of the transfer methods: frozen dataclasses whose fields are their hyper-parameters."""
+    """Base of the transfer methods: frozen dataclasses whose fields are their hyper-parameters.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> from rcss_hat import METHODS, TransferMethod
+    >>> PPR = METHODS["ppr"]
+    >>> issubclass(PPR, TransferMethod), PPR(decay=0.99).describe()
+    (True, 'Probabilistic Policy Reuse: psi = 0.99 ** episodes')
+    """
 
     __slots__ = ()
 

@@ -1,12 +1,12 @@
 """The table of commands: one row for each, from which its writer, the servers' readers and its help follow.
 
 A row is a record with its wire forms. ``{field}`` in a form stands for a field of the record, whose kind (`values`)
-stands in the field's type:
+stands in the field's type::
 
->>> @command(PLAYER, "(dash {power})", later=["(dash {power} {direction})"])
-... class Dash(Command):
-...     power: Power
-...     direction: Degrees | None = None
+    @command(PLAYER, "(dash {power})", later=["(dash {power} {direction})"])
+    class Dash(Command):
+        power: Power
+        direction: Degrees | None = None
 
 The form that has exactly the fields that are not `Kind.absent` is the one that is sent.
 """
