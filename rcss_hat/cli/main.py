@@ -25,6 +25,7 @@ COMMANDS = {
     "evaluate": ("rcss_hat.cli.train", "Play learned weights without learning."),
     "experiment": ("rcss_hat.cli.experiment", "Run the trials of an experiment, in parallel and resumable."),
     "report": ("rcss_hat.cli.experiment", "Tables, statistics and figures of an experiment."),
+    "study": ("rcss_hat.cli.study", "Studies with people: serve, rehearse, report."),
     "compile": ("rcss_hat.cli.compile", "Compile all kernels ahead of time."),
     "watch": ("rcss_hat.cli.watch", "Watch a server, a match or a log in the browser."),
 }
@@ -34,7 +35,8 @@ COMMANDS = {
 EXTRAS = {
     "aiohttp": ("the page", "web"),
     "gymnasium": ("an environment", "envs"),
-    "jinja2": ("a report", "report"),
+    "jinja2": ("a report, or a study's page,", "report,web"),
+    "markdown_it": ("a study's page", "web"),
     "matplotlib": ("a report", "report"),
     "pettingzoo": ("an environment", "envs"),
 }
