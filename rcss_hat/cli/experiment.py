@@ -14,10 +14,24 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rcss_hat.cli.common import INTERRUPTED, Target, deliver, packed, plain_errors, progress_bar, say
+from rcss_hat.stage.place import ARENA, PLACES, REAL, parse_address
 
 if TYPE_CHECKING:
     from rcss_hat.experiments.execution import Work
     from rcss_hat.experiments.experiment import Experiment
+    from rcss_hat.experiments.venue import Supply
+
+
+def _addresses(context: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...]:
+    """Read addresses that are separated by commas, each only once: a server plays one match at a time."""
+    texts = [text.strip() for text in (value or "").split(",") if text.strip()]
+    try:
+        addresses = [f"{host}:{port}" for host, port in map(parse_address, texts)]
+    except ValueError as problem:
+        raise click.BadParameter(str(problem)) from problem
+    if len(set(addresses)) < len(addresses):
+        raise click.BadParameter("a server is named twice; it plays one match at a time")
+    return tuple(addresses)
 
 
 @dataclass(frozen=True)
@@ -29,6 +43,9 @@ class Options:
     hours: float | None
     learner: str | None
     only: tuple[str, ...]
+    stage: str | None
+    executable: str | None
+    servers: tuple[str, ...]
     jobs: int | None
     dask: str | None
     no_report: bool
@@ -43,6 +60,11 @@ class Options:
 @click.option("--hours", type=click.FloatRange(0, min_open=True), default=None, help="Instead of those of the study.")
 @click.option("--learner", metavar="PRESET|FILE", default=None, help="Instead of those of the study.")
 @click.option("--only", multiple=True, metavar="CONDITION", help="Some conditions only; repeatable.")
+@click.option("--on", "stage", type=click.Choice(PLACES), default=None, help="Instead of where the study says.")
+@click.option("--executable", default=None, help="The rcssserver for --on real.  [default: the one on PATH]")
+@click.option(
+    "--servers", callback=_addresses, metavar="HOST:PORT,...", help="Running servers to use, instead of starting some."
+)
 @click.option("--jobs", type=click.IntRange(1, 1024), default=None, help="Trials at a time here.  [default: all cores]")
 @click.option("--dask", metavar="ADDRESS", default=None, help="Scheduler of a Dask cluster to run the trials on.")
 @click.option("--no-report", is_flag=True, help="Only run.")
@@ -52,13 +74,17 @@ class Options:
 def experiment(study: str, options: Options) -> None:
     """Run the trials of an experiment, in parallel and resumable, and write its report.
 
-    STUDY is a study of the package (paper, methods, size-4v3, sets, rounds) or a TOML file of the same form.
+    STUDY is a study of the package (paper, methods, real, size-4v3, sets, rounds) or a TOML file of the same form.
     The same command goes on after a stop, and only redraws the report when everything has been run.
+
+    On servers every trial starts its own; one that dies or hangs is replaced, and the trial goes on where it was.
 
     \b
     Example:
       rcss-hat experiment paper --jobs 2 --out results/paper
       rcss-hat experiment paper --trials 3 --hours 10 --only no-prior --only A-ppr --out results/quick
+      rcss-hat experiment methods --on real --trials 3 --hours 10 --jobs 2 --out results/on-real
+      rcss-hat experiment real --servers 10.0.0.2:6000,10.0.0.3:6000
       rcss-hat experiment my-study.toml --dask tcp://10.0.0.1:8786
     """
     from rcss_hat.experiments.execution import ClusterError, run_locally, run_on_cluster
@@ -71,18 +97,23 @@ def experiment(study: str, options: Options) -> None:
         import rcss_hat.experiments.reporting  # noqa: F401 (what it lacks is said now, not after hours of work)
 
     folder = options.out or Path("results") / Path(study).stem
-    processes = options.jobs or os.cpu_count() or 1
+    processes = options.jobs or len(options.servers) or os.cpu_count() or 1
+    if options.dask and options.servers:
+        raise click.UsageError("--servers cannot be given with --dask: its workers start their own servers")
     command = shlex.join(["rcss-hat", *sys.argv[1:]]) if sys.argv[1:2] == ["experiment"] else ""
     with plain_errors(ExperimentError):
         try:
             run = Experiment.create(
-                study, folder, options.trials, options.hours, options.only, command, options.learner
+                study, folder, options.trials, options.hours, options.only, command, options.learner, options.stage
             )
+            supply = _supply(run, options)
         except StudyError as error:
             raise click.UsageError(str(error)) from error
 
     def runner(work: Work) -> Iterator[dict[str, Any]]:
-        return run_on_cluster(work, options.dask) if options.dask else run_locally(work, processes, say=say)
+        if options.dask:
+            return run_on_cluster(work, options.dask, supply)
+        return run_locally(work, processes, say=say, supply=supply)
 
     hidden = options.quiet or options.as_json
     stopped = None
@@ -103,6 +134,24 @@ def experiment(study: str, options: Options) -> None:
         deliver(text, (place, lambda _: _write_report(run)))
     if stopped:
         sys.exit(1)
+
+
+def _supply(run: Experiment, options: Options) -> Supply:
+    """Check that the trials can have their servers, and say which."""
+    from rcss_hat.experiments.venue import Supply
+    from rcss_hat.stage.servers import find_executable
+
+    stages = {condition.stage for condition in run.study.conditions.values()}
+    if options.servers and stages == {ARENA}:
+        raise click.UsageError("--servers are not used by this study: it is played in the arena (--on real)")
+    if options.dask and stages - set(PLACES):
+        raise click.UsageError("a study that names running servers (stage = HOST:PORT) is not for --dask")
+    own = REAL in stages and not (options.servers or options.dask)
+    if own and find_executable(options.executable) is None:
+        raise click.UsageError(
+            f"no executable {options.executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
+        )
+    return Supply(options.executable, options.servers, run.folder / "servers")
 
 
 def _report_of(run: Experiment) -> tuple[Path, list[Path]]:

@@ -31,7 +31,6 @@ from rcss_hat.cli.common import (
 )
 from rcss_hat.cli.places import place_options
 from rcss_hat.hat.registry import METHODS
-from rcss_hat.keepaway.conditions import SETTINGS
 from rcss_hat.keepaway.task import Task
 from rcss_hat.stage.place import ARENA, Place
 from rcss_hat.system.files import NotWritten, append
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
     from rcss_hat.experiments.training import TrainingRun
     from rcss_hat.hat.decision_list import DecisionList
     from rcss_hat.hat.transfer import Decisions
-    from rcss_hat.stage.terms import Terms
 
 METHOD_NAMES = ("none", *METHODS)
 """``none`` is another word for ``no-prior``."""
@@ -238,11 +236,13 @@ def _show(bar: Callable[..., None]) -> Callable[[TrainingRun], None]:
 
 def _train(run: TrainingRun, show: Callable[[TrainingRun], None], executable: str | None) -> str | None:
     """Train until done, Ctrl-C or failure; return what ended it early."""
+    from rcss_hat.experiments.venue import terms_for
+
     place = replace(run.place, executable=executable)
     show(run)
     while not run.done:
         before = run.cycles
-        if run.train(show, place=place, terms=_terms(run.config.task)):
+        if run.train(show, place=place, terms=terms_for(run.config.task, say)):
             break
         failure = run.failure
         if failure is None or failure == INTERRUPTED or run.cycles == before or not _is_back(place, failure):
@@ -261,13 +261,6 @@ def _is_back(place: Place, failure: str) -> bool:
         return asyncio.run(answers(*place.address, RESTART_S))
     except KeyboardInterrupt:
         return False
-
-
-def _terms(task: Task) -> Terms:
-    """Return what a server must play that a run is to use: the run's folder says what was trained for."""
-    from rcss_hat.stage.terms import Terms
-
-    return Terms(SETTINGS if task.profile != Task().profile else SETTINGS - {"profile"}, say)
 
 
 def _summary(run: TrainingRun, cycles: int, wall: float, failure: str | None) -> dict[str, Any]:
@@ -339,6 +332,7 @@ def evaluate(folder: Path, place: Place, options: EvaluateOptions) -> None:
     """
     from rcss_hat.experiments.evaluation import frozen_policy
     from rcss_hat.experiments.run_folder import TrainingError, read_run
+    from rcss_hat.experiments.venue import terms_for
     from rcss_hat.stage.stages import Part, open_stage
 
     seed = drawn(options.seed)
@@ -348,7 +342,7 @@ def evaluate(folder: Path, place: Place, options: EvaluateOptions) -> None:
         policy = frozen_policy(learners, run.rules, seed, options.explore, str(folder))
         label, hidden = f"{folder.name} on {place}", options.quiet or options.as_json
         with (
-            open_stage(place, task, seed, policy, _terms(task)) as stage,
+            open_stage(place, task, seed, policy, terms_for(task, say)) as stage,
             progress_bar(label, options.episodes, hide=hidden) as bar,
         ):
             report = stage.play(Part(options.episodes, on_episodes=shown(bar)))

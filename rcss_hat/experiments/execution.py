@@ -12,6 +12,7 @@ from typing import Any
 
 from rcss_hat.experiments.training import CHECKPOINT_S
 from rcss_hat.experiments.trial import Job, keep_files, run_trial, run_trial_away
+from rcss_hat.experiments.venue import Supply
 from rcss_hat.numeric.compiling import compiling
 from rcss_hat.stage.terms import silent
 from rcss_hat.system.workers import in_parallel
@@ -26,7 +27,11 @@ class ClusterError(RuntimeError):
 
 
 def run_locally(
-    work: Work, processes: int, checkpoint_s: float = CHECKPOINT_S, say: Callable[[str], None] = silent
+    work: Work,
+    processes: int,
+    checkpoint_s: float = CHECKPOINT_S,
+    say: Callable[[str], None] = silent,
+    supply: Supply | None = None,
 ) -> Iterator[Result]:
     """Run trials in processes of this machine, yielding results as they come.
 
@@ -40,6 +45,8 @@ def run_locally(
         See `rcss_hat.experiments.training.TrainingRun.train`.
     say : callable
         Told, now and then, what is being compiled.
+    supply : Supply, optional
+        Servers, for trials that are played on some.
     """
     rest = iter(work)
     first = list(itertools.islice(rest, 1))
@@ -47,11 +54,11 @@ def run_locally(
         return
     with compiling(say, "the players and the simulation", "rcss_hat.arena.loop"):
         warm_up()
-    trials = ((job, folder, checkpoint_s) for job, folder in itertools.chain(first, rest))
+    trials = ((job, folder, checkpoint_s, supply) for job, folder in itertools.chain(first, rest))
     yield from in_parallel(run_trial, trials, processes)
 
 
-def run_on_cluster(work: Work, address: str) -> Iterator[Result]:
+def run_on_cluster(work: Work, address: str, supply: Supply | None = None) -> Iterator[Result]:
     """Run trials on a Dask cluster, yielding results as they come; needs the extra ``rcss-hat[dask]``.
 
     The workers need this package at the same version, but no common disk: files come back with the results.
@@ -62,6 +69,8 @@ def run_on_cluster(work: Work, address: str) -> Iterator[Result]:
         See `run_locally`.
     address : str
         Of the scheduler, such as ``tcp://10.0.0.1:8786``.
+    supply : Supply, optional
+        Of trials on ``real``: the rcssserver that each worker starts, one for each of its threads.
 
     Raises
     ------
@@ -81,7 +90,7 @@ def run_on_cluster(work: Work, address: str) -> Iterator[Result]:
         raise ClusterError(f"no Dask scheduler answers at {address}: {problem}") from problem
     with client:
         _check_workers(client, address)
-        futures = client.map(run_trial_away, [job for job, _ in trials], pure=False)
+        futures = client.map(run_trial_away, [job for job, _ in trials], supply=supply, pure=False)
         where = {future.key: folder for future, (_, folder) in zip(futures, trials, strict=True)}
         try:
             for future in as_completed(futures):

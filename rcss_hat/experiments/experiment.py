@@ -57,6 +57,7 @@ class Asked(Struct, frozen=True):
     versions: dict[str, str]
     machine: dict[str, Any]
     learner: str | None = None
+    stage: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +106,7 @@ class Experiment:
         only: tuple[str, ...] = (),
         command: str = "",
         learner: str | None = None,
+        stage: str | None = None,
     ) -> Experiment:
         """Begin an experiment, or go on with the one in the folder.
 
@@ -121,6 +123,8 @@ class Experiment:
             How this was asked for, for the report.
         learner : str, optional
             A preset or file, instead of the learners in the study.
+        stage : str, optional
+            Where to play all conditions, instead of what the study says.
 
         Raises
         ------
@@ -137,7 +141,7 @@ class Experiment:
             raise ExperimentError(f"{folder} is not empty and holds no experiment; give another folder")
         right = SoleWriter(folder)
         known = _read_info(folder) if (folder / INFO).exists() else None
-        asked = {"trials": trials, "hours": hours, "only": list(only), "learner": learner}
+        asked = {"trials": trials, "hours": hours, "only": list(only), "learner": learner, "stage": stage}
         info = {
             "format": FORMAT,
             "version": VERSION,
@@ -353,6 +357,8 @@ def _as_asked(study: Study, info: dict[str, Any]) -> Study:
         study = study.chosen(tuple(info["only"]))
     if info.get("learner"):
         study = study.learned_by(info["learner"])
+    if info.get("stage"):
+        study = study.played_on(info["stage"])
     return study.scaled(info["trials"], info["hours"])
 
 

@@ -20,6 +20,7 @@ from rcss_hat.experiments.report_tables import (
     tables_of,
 )
 from rcss_hat.experiments.results import MEASURES, Evidence, Results
+from rcss_hat.experiments.stage_report import comparisons, servers_table
 from rcss_hat.experiments.study_parts import Figure
 from rcss_hat.system.files import write_text
 
@@ -62,7 +63,8 @@ def write_report(experiment: Experiment, folder: Path | None = None) -> list[Pat
     """
     results = Results(experiment)
     if not results.trials:
-        raise ExperimentError(f"no trial in {experiment.folder} has ended yet")
+        left_out = ": those that have missed too much" if results.left_out else " yet"
+        raise ExperimentError(f"no trial in {experiment.folder} that can be shown has ended{left_out}")
     folder = report_folder(experiment) if folder is None else folder
     document = make_document(results)
     pages = document.save(folder)
@@ -88,6 +90,7 @@ def make_document(results: Results) -> Document:
         if len(statistics):
             document.add(TableBlock(statistics, name=f"{table.name}-statistics"))
     document.add(*_figures(results))
+    document.add(*comparisons(results))
     if shown:
         more = TableBlock(more_table(results), name="all-conditions")
         document.add(Heading("All conditions"), Paragraph(_threshold_text(results)), more)
@@ -105,7 +108,11 @@ def _state(results: Results) -> str:
     done, wanted = sum(map(len, results.trials.values())), sum(c.trials for c in study.conditions.values())
     learning = {f"{c.hours:g}" for c in study.conditions.values() if c.hours > 0}
     hours = f", {' or '.join(sorted(learning))} simulated hours each" if learning else ""
-    missing = "" if done == wanted else f" **{wanted - done} trials are missing**, so this is a preliminary report."
+    left = sum(map(len, results.left_out.values()))
+    missed = f"more than {100 * study.missed_at_most:g} % of the cycles, or an episode's end"
+    marked = f" **{left} trials are left out**: their players missed {missed}." if left else ""
+    absent = wanted - done - left
+    missing = f"{marked} **{absent} trials are missing**, so this is a preliminary report." if absent else marked
     conditions = f"{len(results.trials)} condition{'s' if len(results.trials) > 1 else ''}"
     return f"{conditions}, {done} finished trials{hours}.{missing}"
 
@@ -295,6 +302,7 @@ def _how(results: Results) -> list[Paragraph | TableBlock | Code]:
         rows.append(
             {
                 "Condition": name,
+                "Stage": c.stage,
                 "Task": f"{c.task.size}, {c.task.field} m, vision {c.task.vision}, physics of {c.task.profile}",
                 "Method": c.method.describe(),
                 "Learner": c.learner.name,
@@ -304,11 +312,14 @@ def _how(results: Results) -> list[Paragraph | TableBlock | Code]:
             }
         )
     command = [Code(info["command"])] if info["command"] else []
+    servers = servers_table(results)
+    played = [TableBlock(servers, prose=True, name="servers")] if len(servers) else []
     return [
         *command,
         Paragraph(text),
         Paragraph(f"Settings of the learners. {settings}. Seeds are drawn from the study's, {study.seed}."),
         TableBlock(pd.DataFrame(rows), prose=True, name="runs"),
+        *played,
     ]
 
 

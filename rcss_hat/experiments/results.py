@@ -74,18 +74,29 @@ class Results:
     ----------
     trials : dict of str to list of TrialRecord
         By condition; conditions without a finished trial are left out.
+    left_out : dict of str to list of TrialRecord
+        Trials that are not pooled with the others, because of what happened on their servers.
     """
 
     def __init__(self, experiment: Experiment) -> None:
         self.experiment, self.study = experiment, experiment.study
-        found = {name: experiment.trials(name) for name in self.study.conditions}
-        self.trials: dict[str, list[TrialRecord]] = {name: records for name, records in found.items() if records}
+        self.trials: dict[str, list[TrialRecord]] = {}
+        self.left_out: dict[str, list[TrialRecord]] = {}
+        for name in self.study.conditions:
+            for record in experiment.trials(name):
+                sound = pooled(record, self.study.missed_at_most)
+                (self.trials if sound else self.left_out).setdefault(name, []).append(record)
         self._samples: dict[tuple[str, str], NDArray[np.float64]] = {}
 
     @property
     def baseline(self) -> str | None:
         """The condition the others are compared with, when it has trials."""
         return self.study.baseline if self.study.baseline in self.trials else None
+
+    def baseline_of(self, condition: str) -> str | None:
+        """Return the condition that another one is compared with, when it has trials."""
+        baseline = self.study.baseline_of(condition)
+        return baseline if baseline in self.trials else None
 
     def label(self, condition: str) -> str:
         """What people call a condition."""
@@ -103,33 +114,32 @@ class Results:
         ----------
         condition : str
         measure : str
-            A key of `MEASURES`, or ``hours``: when the trial reaches `threshold`, or, where it never does, the hours
+            A key of `MEASURES`, or ``hours``: when the trial reaches `threshold_of`, or, where it never does, the hours
             that it had. For ``jumpstart`` it is the mean duration of the initial policy, from which
             `difference` makes the jumpstart.
         """
         key = condition, measure
         if key not in self._samples:
             records = self.trials[condition]
-            values = [self._hours(r) if measure == "hours" else _measure(r, measure) for r in records]
+            threshold = self.threshold_of(condition) if measure == "hours" else None
+            values = [_hours(r, threshold) if measure == "hours" else _measure(r, measure) for r in records]
             self._samples[key] = np.array(values, dtype=np.float64)
         return self._samples[key]
 
-    def _hours(self, record: TrialRecord) -> float:
-        if record.log is None or self.threshold is None:
-            return math.nan
-        reached = metrics.time_to_threshold(record.log, self.threshold)
-        return float(record.result["hours"]) if math.isnan(reached) else reached
-
     def value(self, condition: str, measure: str) -> tuple[float, float]:
-        """Return a measure's mean over trials and its standard error; the jumpstart is relative to the baseline."""
-        sample = self.sample(condition, measure)
+        """Return a measure's mean over trials and its standard error; the jumpstart is relative to the baseline.
+
+        ``initial`` is the duration of the initial policy itself.
+        """
+        sample = self.sample(condition, "jumpstart" if measure == "initial" else measure)
         mean = float(sample.mean())
         error = float(sample.std(ddof=1) / math.sqrt(len(sample))) if len(sample) > 1 else math.nan
         if measure != "jumpstart":
             return mean, error
-        if self.baseline is None or condition == self.baseline:
+        baseline = self.baseline_of(condition)
+        if baseline is None or condition == baseline:
             return math.nan, math.nan
-        return mean - float(self.sample(self.baseline, measure).mean()), error
+        return mean - float(self.sample(baseline, measure).mean()), error
 
     def frame(self) -> pd.DataFrame:
         """Return all measures of all trials: columns condition, trial, seed, episodes, initial and the measures."""
@@ -154,14 +164,16 @@ class Results:
         DataFrame
             See `rcss_hat.experiments.statistics.comparison_table`.
         """
-        if self.baseline is None:
+        known = [c for c in conditions if c in self.trials]
+        baseline = self.baseline_of(known[0]) if known else None
+        if baseline is None:
             return pd.DataFrame()
-        names = [self.baseline, *(c for c in conditions if c in self.trials and c != self.baseline)]
+        names = [baseline, *(c for c in known if c != baseline)]
         samples = {name: self.sample(name, measure) for name in names}
         samples = {name: s for name, s in samples.items() if len(s) > 1 and np.isfinite(s).all()}
-        if self.baseline not in samples or len(samples) < 2:
+        if baseline not in samples or len(samples) < 2:
             return pd.DataFrame()
-        return comparison_table(samples, self.baseline, self.study.seed)
+        return comparison_table(samples, baseline, self.study.seed)
 
     def verdicts(self) -> list[Verdict]:
         """Judge the study's claims."""
@@ -201,22 +213,33 @@ class Results:
         hours = self.study.conditions[condition].hours
         return metrics.learning_curves(logs, _curve_hours(hours))
 
+    def threshold_of(self, condition: str) -> float | None:
+        """Return the seconds that `hours_to_threshold` measures the way to; None without a baseline that learned."""
+        baseline = self.baseline_of(condition)
+        if baseline is None:
+            return None
+        final = self.value(baseline, "final")[0]
+        return None if math.isnan(final) else round(final - BELOW_BASELINE, 1)
+
     @cached_property
     def threshold(self) -> float | None:
-        """Seconds that `hours_to_threshold` measures the way to; None without a baseline that learned."""
-        if self.baseline is None:
-            return None
-        final = self.value(self.baseline, "final")[0]
-        return None if math.isnan(final) else round(final - BELOW_BASELINE, 1)
+        """The threshold of the study's baseline."""
+        return None if self.baseline is None else self.threshold_of(self.baseline)
 
     def hours_to_threshold(self, condition: str) -> float:
         """Return when the mean learning curve, of full windows only, reaches the threshold; nan: never."""
-        curves = self.curves(condition)
-        if curves is None or self.threshold is None:
+        curves, threshold = self.curves(condition), self.threshold_of(condition)
+        if curves is None or threshold is None:
             return math.nan
         full = max(_full_window(record.log) for record in self.trials[condition] if record.log is not None)
-        reached = (curves.mean >= self.threshold) & (curves.hours >= full)
+        reached = (curves.mean >= threshold) & (curves.hours >= full)
         return float(curves.hours[reached.argmax()]) if reached.any() else math.nan
+
+
+def pooled(record: TrialRecord, missed_at_most: float) -> bool:
+    """Whether a trial may be pooled with others: its players heard every end of an episode, and missed few cycles."""
+    servers = record.result.get("servers")
+    return servers is None or (servers["unheard"] == 0 and servers["missed_share"] <= missed_at_most)
 
 
 def claim_holds(test: str, comparison: Comparison) -> bool:
@@ -242,6 +265,13 @@ def _against_sample(a: NDArray[np.float64], b: NDArray[np.float64], seed: int) -
 
 def _against_number(a: NDArray[np.float64], number: float, seed: int) -> Comparison | None:
     return compare_with_number(a, number, seed) if _usable(a) else None
+
+
+def _hours(record: TrialRecord, threshold: float | None) -> float:
+    if record.log is None or threshold is None:
+        return math.nan
+    reached = metrics.time_to_threshold(record.log, threshold)
+    return float(record.result["hours"]) if math.isnan(reached) else reached
 
 
 def _measure(record: TrialRecord, measure: str) -> float:

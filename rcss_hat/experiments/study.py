@@ -21,6 +21,7 @@ from rcss_hat.experiments.study_parts import (
     Round,
     Sampling,
     SetSpec,
+    StageComparison,
     Table,
 )
 from rcss_hat.hat.transfer import TransferMethod
@@ -28,6 +29,7 @@ from rcss_hat.keepaway.task import Task
 from rcss_hat.learning.config import LearnerConfig, load_config
 from rcss_hat.numeric.seeds import derived_seed
 from rcss_hat.schema import did_you_mean
+from rcss_hat.stage.place import ARENA
 
 
 class StudyError(ValueError):
@@ -53,6 +55,10 @@ class Condition:
     evaluation_episodes : int
         Episodes without learning, before and after.
     published : Published
+    stage : str
+        Where it is played: ``arena``, ``fake``, ``real`` or ``HOST:PORT``.
+    baseline : str or None
+        Condition that it is compared with, instead of the study's.
     sampled : bool
         Whether it was drawn by ``[sampling]``: one trial, whatever is asked for.
     """
@@ -68,6 +74,8 @@ class Condition:
     trials: int
     evaluation_episodes: int
     published: Published
+    stage: str = ARENA
+    baseline: str | None = None
     sampled: bool = False
 
     def __post_init__(self) -> None:
@@ -83,6 +91,7 @@ class Condition:
             method=self.method,
             seed=seed,
             hours=self.hours,
+            stage=self.stage,
             source=self.demonstrations or "",
         )
 
@@ -98,7 +107,9 @@ class Study:
     baseline : str or None
     conditions : dict of str to Condition
     sets : dict of str to SetSpec
-    tables, figures, claims : tuple
+    tables, figures, claims, comparisons : tuple
+    missed_at_most : float
+        Share of missed cycles beyond which a trial is not pooled with others.
     sampling : Sampling or None
     task : Task
         Of teachers that are not told another.
@@ -115,6 +126,8 @@ class Study:
     tables: tuple[Table, ...]
     figures: tuple[Figure, ...]
     claims: tuple[Claim, ...]
+    comparisons: tuple[StageComparison, ...]
+    missed_at_most: float
     sampling: Sampling | None
     task: Task
     folder: Path
@@ -173,6 +186,30 @@ class Study:
         conditions = {name: replace(condition, learner=config) for name, condition in self.conditions.items()}
         return replace(self, conditions=conditions)
 
+    def played_on(self, stage: str) -> Study:
+        """Return the study with another stage in all conditions.
+
+        Parameters
+        ----------
+        stage : str
+            ``arena``, ``fake`` or ``real``.
+
+        Raises
+        ------
+        StudyError
+            When the study compares stages, or needs what they lack.
+        """
+        own = {condition.stage for condition in self.conditions.values()}
+        if len(own) > 1:
+            raise StudyError(f"the study says itself what is played where ({', '.join(sorted(own))}); leave out --on")
+        if stage != ARENA and any(r.watch is not None for c in self.conditions.values() for r in c.rounds):
+            raise StudyError("rounds with watch need what only the arena shows; choose other conditions (--only)")
+        return replace(self, conditions={n: replace(c, stage=stage) for n, c in self.conditions.items()})
+
+    def baseline_of(self, condition: str) -> str | None:
+        """Return the condition that another one is compared with."""
+        return self.conditions[condition].baseline or self.baseline
+
     def chosen(self, names: tuple[str, ...]) -> Study:
         """Return the study with some of its conditions only.
 
@@ -184,6 +221,7 @@ class Study:
         for name in names:
             check_known(name, self.conditions, "condition", "--only")
         kept = {name: c for name, c in self.conditions.items() if name in names}
+        kept = {n: replace(c, baseline=c.baseline if c.baseline in kept else None) for n, c in kept.items()}
         return replace(
             self,
             baseline=self.baseline if self.baseline in kept else None,
@@ -191,6 +229,9 @@ class Study:
             tables=tuple(replaced(t, conditions=_those(t.conditions, kept)) for t in self.tables),
             figures=tuple(replaced(f, conditions=_those(f.conditions, kept)) for f in self.figures),
             claims=tuple(c for c in self.claims if all({*t.conditions, *t.than} <= kept.keys() for t in c.tests)),
+            comparisons=tuple(
+                replaced(c, pairs=tuple(pair for pair in c.pairs if kept.keys() >= set(pair))) for c in self.comparisons
+            ),
         )
 
 

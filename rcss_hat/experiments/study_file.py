@@ -7,13 +7,17 @@ the model to copy. `rcss_hat.experiments.study_parts` says what each may hold.
     ``seed`` decides all others; ``baseline`` is the condition that the others are compared with.
 ``[defaults]``
     What holds for conditions that do not say otherwise: size, field, vision, profile, learner, learner_settings,
-    hours, trials, evaluation_episodes.
+    hours, trials, evaluation_episodes, stage.
 ``[demonstrations.NAME]``
     A demonstration set, see `SetSpec`.
 ``[[condition]]``
     See `Condition`.
 ``[[table]]``, ``[[figure]]``, ``[[claim]]``
     What the report shows, see `Table`, `Figure` and `Claim`. Without them: one table and one figure of everything.
+``[[comparison]]``
+    Conditions that differ in where they are played only, see `StageComparison`.
+``missed_at_most``
+    A trial on a server is not pooled with others when players missed more than this share of their cycles.
 ``[sampling]``
     Many conditions at once, one per demonstration set drawn from pools, see `Sampling`.
 """
@@ -35,6 +39,7 @@ from rcss_hat.experiments.study_parts import (
     Figure,
     Sampling,
     SetSpec,
+    StageComparison,
     StudyFile,
     Table,
 )
@@ -45,7 +50,7 @@ from rcss_hat.learning.config import LearnerConfig, load_config
 from rcss_hat.numeric.seeds import derived_seed
 from rcss_hat.schema import MAX_TOML, did_you_mean, parse_toml, read
 
-Named = TypeVar("Named", Table, Figure)
+Named = TypeVar("Named", Table, Figure, StageComparison)
 
 
 def study_names() -> list[str]:
@@ -142,6 +147,8 @@ def _study(file: StudyFile, folder: Path) -> Study:
         tables=_shown(Table, file.table, "table"),
         figures=_shown(Figure, file.figure, "figure"),
         claims=tuple(_claim(entry, f"claim {number}") for number, entry in enumerate(file.claim, 1)),
+        comparisons=_shown(StageComparison, file.comparison, "comparison"),
+        missed_at_most=file.missed_at_most,
         sampling=file.sampling,
         task=task,
         folder=folder,
@@ -195,6 +202,8 @@ def _condition(entry: Any, defaults: Mapping[str, Any], folder: Path, number: in
         trials=own.trials,
         evaluation_episodes=own.evaluation_episodes,
         published=own.published,
+        stage=own.stage,
+        baseline=own.baseline,
     )
 
 
@@ -252,8 +261,14 @@ def _check_references(study: Study) -> None:
     _check_circles(study.sets)
     for condition in study.conditions.values():
         _check_demonstrations(condition, study.sets)
+        _check_baseline(condition, study)
     for table in study.tables:
         _check_all(table.conditions, study.conditions, "condition", f"table {table.name!r}")
+        if len({study.baseline_of(name) for name in table.conditions}) > 1:
+            raise StudyError(f"table {table.name!r}: its conditions have different baselines; make a table of each")
+    for comparison in study.comparisons:
+        names = [name for pair in comparison.pairs for name in pair]
+        _check_all(names, study.conditions, "condition", f"comparison {comparison.name!r}")
     for figure in study.figures:
         _check_all(figure.conditions, study.conditions, "condition", f"figure {figure.name!r}")
         _check_all(figure.teachers, study.sets, "demonstration set", f"figure {figure.name!r}")
@@ -266,6 +281,18 @@ def _check_references(study: Study) -> None:
 def _check_all(names: Iterable[str], known: Mapping[str, Any], what: str, where: str) -> None:
     for name in names:
         check_known(name, known, what, where)
+
+
+def _check_baseline(condition: Condition, study: Study) -> None:
+    where = f"condition {condition.name!r}: baseline"
+    name = study.baseline_of(condition.name)
+    if name is None:
+        return
+    check_known(name, study.conditions, "condition", where)
+    if condition.stage != study.conditions[name].stage:
+        raise StudyError(
+            f"{where}: {name!r} is played on {study.conditions[name].stage}, this on {condition.stage}; name one there"
+        )
 
 
 def _check_demonstrations(condition: Condition, sets: Mapping[str, SetSpec]) -> None:

@@ -8,6 +8,7 @@ from msgspec import Meta, Struct
 
 from rcss_hat.keepaway.task import Task
 from rcss_hat.schema import Name, Seed
+from rcss_hat.stage.place import ARENA, Place
 
 MAX_HOURS = 10_000
 MAX_TRIALS = 10_000
@@ -146,6 +147,11 @@ class Defaults(Part, frozen=True, kw_only=True):
     hours: Hours = 30.0
     trials: Trials = 10
     evaluation_episodes: Evaluation = 1000
+    stage: Annotated[str, Meta(max_length=300)] = ARENA
+
+    def __post_init__(self) -> None:
+        """Check what types do not say."""
+        Place.parse(self.stage)
 
     @property
     def task(self) -> Task:
@@ -162,10 +168,14 @@ class ConditionEntry(Defaults, frozen=True, kw_only=True):
     settings: dict[str, Any] = {}
     demonstrations: str | None = None
     rounds: tuple[Round, ...] = ()
+    baseline: str | None = None
     published: Published = Published()
 
     def __post_init__(self) -> None:
-        """Check that rounds come one after the other."""
+        """Check that rounds come one after the other, where they can be had."""
+        super().__post_init__()
+        if self.stage != ARENA and any(r.watch is not None for r in self.rounds):
+            raise ValueError("rounds with watch need what only the arena shows: stage must be 'arena'")
         hours = [r.hour for r in self.rounds]
         if hours != sorted(hours) or (hours and hours[-1] >= self.hours):
             raise ValueError(f"rounds must follow each other before the end of the {self.hours:g} hours")
@@ -217,6 +227,28 @@ class ClaimTest(Part, frozen=True, kw_only=True):
             raise ValueError("a test needs either than or teachers")
 
 
+class StageComparison(Part, frozen=True, kw_only=True):
+    """Conditions that are the same but for where they were played, side by side, tested for being equivalent.
+
+    Attributes
+    ----------
+    name, title : str
+    pairs : tuple of (str, str)
+        Conditions; the first of a pair minus the second is what is estimated.
+    margins : mapping of str to float
+        By measure (``initial``, ``jumpstart``, ``final``, ``total``): how far two means may lie apart and still count
+        as the same, seconds. Chosen before anything is run.
+    """
+
+    name: Name
+    title: str
+    pairs: tuple[tuple[str, str], ...]
+    margins: dict[
+        Literal["initial", "jumpstart", "final", "total"],
+        Annotated[float, Meta(gt=0, description="more than 0")],
+    ]
+
+
 class Claim(Part, frozen=True, kw_only=True):
     """A qualitative claim, and the comparisons that decide whether it is reproduced."""
 
@@ -265,4 +297,6 @@ class StudyFile(Part, frozen=True, kw_only=True):
     table: tuple[Any, ...] = ()
     figure: tuple[Any, ...] = ()
     claim: tuple[Any, ...] = ()
+    comparison: tuple[Any, ...] = ()
+    missed_at_most: Annotated[float, Meta(ge=0, le=1, description="a share from 0 to 1")] = 0.01
     sampling: Sampling | None = None

@@ -44,7 +44,7 @@ from rcss_hat.hat.decision_list import DecisionList
 from rcss_hat.hat.policy import RUN_RULES, RUN_WEIGHTS, TeamPolicy, learners_policy
 from rcss_hat.hat.transfer import Decisions, Learners
 from rcss_hat.inputs import load_json, read_text
-from rcss_hat.keepaway.report import Episode, mean_and_ci95, shifted
+from rcss_hat.keepaway.report import Episode, RunReport, mean_and_ci95, shifted
 from rcss_hat.learning.exploration import NO_ACTION
 from rcss_hat.stage.place import Place
 from rcss_hat.stage.stages import Part, open_stage
@@ -78,8 +78,8 @@ class TrainingRun:
         How often the rules were replaced, see `new_round`.
     reuse_from : int
         Episodes played before reuse of the rules began, or began anew.
-    failure : str or None
-        What ended `train` early.
+    report : RunReport or None
+        Of the last match.
     recent : deque of int
         Durations of the last `WINDOW` episodes, cycles.
 
@@ -101,7 +101,7 @@ class TrainingRun:
         self.cycles = self.episodes = self.sessions = self.round = self.reuse_from = 0
         self.recent: deque[int] = deque(maxlen=WINDOW)
         self._arena: dict[str, NDArray[Any]] = {}
-        self.failure: str | None = None
+        self.report: RunReport | None = None
         self._session_cycle = self._session_episode = self._session_log = 0
         self._session_start: int | None = 0
 
@@ -226,6 +226,11 @@ class TrainingRun:
     def done(self) -> bool:
         """Whether the run has played all its hours."""
         return self.cycles >= self.config.cycles
+
+    @property
+    def failure(self) -> str | None:
+        """What ended the last match early."""
+        return None if self.report is None else self.report.failure
 
     @property
     def windowed_mean(self) -> float:
@@ -363,7 +368,7 @@ class TrainingRun:
             self.cycles = max(self.cycles, begun + report.cycles)
             self._arena = stage.arrays()
             self.checkpoint(self._arena)
-        self.failure = report.failure
+        self.report = report
         return self.cycles >= last
 
     def new_round(self, rules: DecisionList) -> None:

@@ -140,6 +140,12 @@ class RunReport:
         What a policy in Python took to answer over UDP, on average and at most; None: no such policy was asked.
     late_decisions, patience_ms : int, float or None
         How many of its answers took longer than the server waits for one: a cycle, in synch mode more.
+    interrupted : bool
+        Whether somebody stopped it.
+    unheard : int
+        How many episodes ended without a word to the players; those around are left out.
+    server_seed : str or None
+        Which seed a server that was started for the run printed.
 
     Examples
     --------
@@ -170,6 +176,9 @@ class RunReport:
     slowest_decision_ms: float | None = None
     late_decisions: int = 0
     patience_ms: float | None = None
+    interrupted: bool = False
+    unheard: int = 0
+    server_seed: str | None = None
 
     @classmethod
     def of(
@@ -203,15 +212,18 @@ class RunReport:
     def end_early(self, why: object) -> None:
         """Say what ended the run before its end; the first reason stays."""
         self.failure = self.failure or str(why)
+        self.interrupted = self.interrupted or why == INTERRUPTED
 
     def not_counted(self, ends: int) -> None:
         """Say that so many episodes ended without a word to the players; that they were stopped is no excuse."""
+        self.unheard = ends
         what = "1 end of an episode was" if ends == 1 else f"{ends} ends of episodes were"
         why = f"{what} not heard by any player (a bad network?); the episodes around are left out"
         self.failure = why if self.failure in (None, INTERRUPTED) else f"{self.failure}; {why}"
 
     def stopped_on_purpose(self) -> None:
         """Take it back when all that ended the run was that it was told to stop, and that was its end."""
+        self.interrupted = False
         if self.failure == INTERRUPTED:
             self.failure = None
 

@@ -355,6 +355,7 @@ async def play_match(
         await asyncio.gather(*watched, return_exceptions=True)
         if server is not None:
             await server.stop()
+            report.server_seed = server.random_seed
         elif trainer is None and (missing := match.unheard()):
             heard = [episode for episode in heard if not any(_holds(episode, span) for span in missing)]
             report.not_counted(len(missing))

@@ -47,7 +47,7 @@ class ServerStage(Stage):
             raise ValueError(f"{policy.spec} sees the whole field, as only the arena shows it: use --on arena")
         super().__init__(place, task, seed, policy, terms)
         changes = REFEREED_BY_TRAINER if terms.trainer is not None else {}
-        self.server = None if place.address else place.server(task, seed, **changes, **terms.pace)
+        self.server = None if place.address else place.server(task, seed, terms.logs, **changes, **terms.pace)
         self.match: Match | None = None
         self._address = place.address or (self.server.host, self.server.port)  # type: ignore[union-attr]
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from rcss_hat.schema import did_you_mean
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rcss_hat.keepaway.task import Task
     from rcss_hat.protocol.params import Value
     from rcss_hat.stage.servers import ServerProcess
@@ -94,8 +96,18 @@ class Place:
             f"('rcss-hat server --real-time --speed {speed:g}' does)"
         )
 
-    def server(self, task: Task, seed: int | None, **changes: Value) -> ServerProcess:
+    def server(self, task: Task, seed: int | None, logs: Path | None = None, **changes: Value) -> ServerProcess:
         """Return the server that is started for a match here, not started yet.
+
+        Parameters
+        ----------
+        task : Task
+        seed : int or None
+            Of the fake server.
+        logs : Path, optional
+            Folder for what it writes; by default a temporary one.
+        **changes : Value
+            Further server parameters.
 
         Raises
         ------
@@ -109,7 +121,7 @@ class Place:
             raise ServerFailed(
                 f"no executable {self.executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
             )
-        return ServerProcess(task, seed, found, None, **changes)
+        return ServerProcess(task, seed, found, logs, **changes)
 
 
 def parse_address(text: str, words: tuple[str, ...] = ()) -> Address:

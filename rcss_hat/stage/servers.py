@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import os
 import shutil
@@ -10,6 +11,7 @@ import signal
 import socket
 import sys
 import tempfile
+import time
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
@@ -19,12 +21,17 @@ from rcss_hat.keepaway.task import Task
 from rcss_hat.protocol.errors import one_line
 from rcss_hat.protocol.params import Value
 from rcss_hat.stage.options import server_options
+from rcss_hat.stage.seconds import second_of_its_own
 from rcss_hat.system import tether
 
 KWY_NAME = "keepaway"
+CONSOLE = "console.log"
+"""What a server printed, where its logs are kept."""
 STOP_TIMEOUT = 5.0
 _TETHER = ("-I", "-S", str(Path(tether.__file__)))
 """Python's arguments to run a command that ends with this process."""
+SAYS_SEED_S = 3.0
+"""Seconds within which an rcssserver that has started has printed its seed."""
 PATIENCE = 5.0
 """Seconds that a seeded fake server waits for a player: on a busy machine, too, the seed decides the match."""
 
@@ -106,6 +113,8 @@ class ServerProcess:
     Attributes
     ----------
     host, port : str, int
+    random_seed : str or None
+        The seed that the server printed, once it has.
     """
 
     def __init__(
@@ -124,6 +133,7 @@ class ServerProcess:
         self._changes = changes
         self._process: asyncio.subprocess.Process | None = None
         self._output: list[str] = []
+        self.random_seed: str | None = None
         self._reader: asyncio.Task[None] | None = None
 
     @property
@@ -151,7 +161,9 @@ class ServerProcess:
         return [sys.executable, "-m", "fake_server", *seeded, *options]
 
     async def start(self) -> None:
-        """Start the process, unless it runs.
+        """Start the process, unless it runs; an rcssserver not in the second in which another one here was started.
+
+        It takes its seed from the clock, in whole seconds: two of the same second would play the same noise.
 
         Raises
         ------
@@ -160,6 +172,23 @@ class ServerProcess:
         """
         if self._process is not None and self._process.returncode is None:
             return
+        if self.executable is None:
+            await self._start()
+            return
+        async with second_of_its_own() as taken:
+            await self._start()
+            taken(await self._seeded())
+
+    async def _seeded(self) -> int:
+        """Return the second that the server took for its seed; the present one where it does not say so."""
+        for _ in range(round(SAYS_SEED_S / 0.02)):
+            if self.random_seed is not None or (self._process is not None and self._process.returncode is not None):
+                break
+            await asyncio.sleep(0.02)
+        said = self.random_seed or ""
+        return int(said) if said.isdecimal() and len(said) < 12 else int(time.time())
+
+    async def _start(self) -> None:
         environment, command = None, self.command()
         if self.executable is not None:
             environment = {**os.environ, "RCSS_CONF_DIR": str(self.folder)}
@@ -183,17 +212,17 @@ class ServerProcess:
 
     async def _read(self) -> None:
         assert self._process is not None and self._process.stdout is not None
-        while line := await self._process.stdout.readline():
-            self._output.append(line.decode(errors="replace").rstrip())
-            del self._output[:-200]
-
-    @property
-    def random_seed(self) -> str | None:
-        """The seed the server printed, if it did."""
-        for line in self._output:
-            if "Seed" in line and ":" in line:
-                return line.rsplit(":", 1)[1].strip()
-        return None
+        kept = contextlib.nullcontext() if self._temporary else (self.folder / CONSOLE).open("ab", buffering=0)
+        with kept as console:
+            while line := await self._process.stdout.readline():
+                if console is not None:
+                    with contextlib.suppress(OSError):  # a full disk is no reason to stop listening
+                        console.write(line)
+                text = line.decode(errors="replace").rstrip()
+                if self.random_seed is None and "Seed" in text and ":" in text:
+                    self.random_seed = text.rsplit(":", 1)[1].strip()
+                self._output.append(text)
+                del self._output[:-200]
 
     def check(self) -> None:
         """Raise ServerFailed when the process has ended."""

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 from collections.abc import AsyncIterator, Callable, Mapping, Set
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from rcss_hat.keepaway.conditions import SETTINGS
 from rcss_hat.keepaway.decision import KeeperPolicy
@@ -39,6 +40,8 @@ class Terms:
         Every player in a process of its own. Not in the arena.
     pace : mapping of str to Value
         Parameters of a server that is started for the match, beside the task's.
+    logs : Path, optional
+        Folder for what such a server writes: ``console.log``, ``keepaway.kwy``. By default it is thrown away.
     takers, kick_off : bool
         Whether the takers are ours, and whether we start the match.
     orders : callable, optional
@@ -52,6 +55,7 @@ class Terms:
     trainer: int | None = None
     processes: bool = False
     pace: Mapping[str, Value] = field(default_factory=dict)
+    logs: Path | None = None
     takers: bool = True
     kick_off: bool = True
     orders: KeeperPolicy | None = None
