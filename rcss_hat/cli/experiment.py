@@ -169,11 +169,10 @@ def _write_report(run: Experiment) -> None:
 
 
 def _run(run: Experiment, runner: Any, hidden: bool) -> None:
-    done = run.finished
     with progress_bar(run.study.title, run.n_trials, "trials", hidden) as bar:
-        bar(done)
+        bar(run.finished)
         for result in run.run(runner):
-            done += 1
+            done = run.finished
             greedy = f", {result['greedy']['mean_s']:.1f} s" if result["greedy"] else ""
             bar(done, f"{result['condition']} {result['trial']}{greedy}")
 

@@ -24,18 +24,21 @@ if TYPE_CHECKING:
 LOG_SUFFIXES = (".rcg", ".rcg.gz")
 
 
+STUDY = "study"
+
+
 class Watched(Where):
-    """What can be watched: a place, or a game log."""
+    """What can be watched: a place, a game log, or a trial of an experiment."""
 
     name = "watched"
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         """Show what can be given."""
-        return f"{super().get_metavar(param, ctx)}|FILE.rcg"
+        return f"{super().get_metavar(param, ctx)}|FILE.rcg|{STUDY}"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the place, or the path of a log."""
-        if isinstance(value, Path):
+        if isinstance(value, Path) or value == STUDY:
             return value
         if isinstance(value, str) and (value.endswith(LOG_SUFFIXES) or Path(value).is_file()):
             if not Path(value).is_file():
@@ -48,7 +51,8 @@ class Watched(Where):
 class Options:
     """What ``watch`` is told, beside the task."""
 
-    watched: Place | Path
+    watched: Place | Path | str
+    trial: str | None
     keepers: str
     episodes: int
     seed: int | None
@@ -60,6 +64,7 @@ class Options:
 
 
 @click.command()
+@click.argument("trial", required=False, metavar="[DIR[:CONDITION/NN]]")
 @click.option("--on", "watched", type=Watched(), default=FAKE, show_default=True, help="What to watch.")
 @click.option(
     "--keepers", default="hand", show_default=True, help=f"In matches started here (not HOST:PORT, FILE): {POLICIES}"
@@ -85,27 +90,49 @@ def watch(task: Task, options: Options) -> None:
     A running server is watched as a monitor would; fake, real and arena start a match to be watched. The page listens
     on this machine only, and only to who has the link with the token. Ctrl-C ends it.
 
+    --on study watches a trial of an experiment that is running on servers: DIR is its folder.
+
     \b
     Example:
       rcss-hat watch --on localhost:6000
       rcss-hat watch --on arena --keepers hand --seed 1
       rcss-hat watch --on 20250101-keepers_0-vs-takers_0.rcg --terminal
+      rcss-hat watch --on study results/real:no-prior-real/00
     """
     from rcss_hat.viewer.audience import WatchError
     from rcss_hat.viewer.live import MonitorSource
 
+    if (options.watched == STUDY) != (options.trial is not None):
+        raise click.UsageError("an experiment's trial is watched with: --on study DIR:CONDITION/NN")
     with plain_errors(WatchError, RuntimeError), suppress(KeyboardInterrupt), ExitStack() as opened:
         match: Match | None = None
-        if isinstance(options.watched, Path):
-            source: Source = _recorded(options.watched, options.speed)
-        elif options.watched.address:
-            server_pace(options.watched, options.speed)
-            source = MonitorSource(*options.watched.address, stay=True)
+        watched = _running(options.trial) if options.trial is not None else options.watched
+        assert not isinstance(watched, str)
+        if isinstance(watched, Path):
+            source: Source = _recorded(watched, options.speed)
+        elif watched.address:
+            server_pace(watched, options.speed)
+            source = MonitorSource(*watched.address, stay=True)
         else:
-            source, match = _match(task, options.watched, options, opened)
+            source, match = _match(task, watched, options, opened)
         asyncio.run(_show(source, match, options))
         if match is not None:
             click.echo(match.report.to_text(), err=True)
+
+
+def _running(text: str) -> Place:
+    """Return the server that a trial of an experiment is being played on."""
+    from rcss_hat.experiments.venue import NotRunning, running_match
+
+    folder, colon, trial = text.rpartition(":")
+    if not colon or not Path(folder).is_dir():
+        folder, trial = text, ""
+    try:
+        name, place = running_match(Path(folder), trial)
+    except NotRunning as problem:
+        raise click.UsageError(str(problem)) from problem
+    say(f"{name} is played at {place}; while it is watched it goes more slowly")
+    return place
 
 
 def _recorded(path: Path, speed: float) -> Source:

@@ -75,10 +75,10 @@ def run_on_cluster(work: Work, address: str, supply: Supply | None = None) -> It
     Raises
     ------
     ClusterError
-        When Dask is not installed, there is no scheduler or worker, or a worker has another version.
+        When Dask is not installed, there is no scheduler or worker, a worker has another version, or workers die.
     """
     try:
-        from distributed import Client, as_completed
+        from distributed import Client, KilledWorker, as_completed
     except ImportError as problem:
         raise ClusterError("Dask is not installed: pip install 'rcss-hat[dask]'") from problem
     trials = list(work)
@@ -97,6 +97,8 @@ def run_on_cluster(work: Work, address: str, supply: Supply | None = None) -> It
                 result, contents = future.result()
                 keep_files(where[future.key], contents)
                 yield result
+        except KilledWorker as problem:
+            raise ClusterError(f"a trial ended every Dask worker that ran it: {problem}") from problem
         finally:
             client.cancel(futures)
 

@@ -34,10 +34,12 @@ from rcss_hat.inputs import FileFormatError
 from rcss_hat.schema import read
 from rcss_hat.system.files import write_text
 from rcss_hat.system.locks import FOLDER_LOCK, SoleWriter
-from rcss_hat.system.workers import in_parallel
+from rcss_hat.system.workers import WorkerDied, in_parallel
 
 STUDY, INFO = "study.toml", "experiment.json"
 FORMAT, VERSION = "rcss-hat experiment", 1
+MOST_DEATHS = 10
+"""Worker processes that may be killed before any trial ends."""
 
 
 class ExperimentError(ValueError):
@@ -309,21 +311,33 @@ class Experiment:
         return sorted(n for n in ours if n < condition.trials)
 
     def run(self, runner: Runner) -> Iterator[dict[str, Any]]:
-        """Run what is missing, yielding results as they come.
+        """Run what is missing, yielding results as they come; when worker processes are killed, others go on.
 
         Parameters
         ----------
         runner : callable
             See `rcss_hat.experiments.execution`.
+
+        Raises
+        ------
+        ExperimentError
+            When worker processes are killed again and again before any trial ends.
         """
-        last = time.monotonic()
-        for result in runner(self.missing()):
-            now = time.monotonic()
-            self.info["seconds"] = round(self.info["seconds"] + now - last, 1)
-            self.info["finished_trials"] += 1
-            last = now
-            self._write_info()
-            yield result
+        last, deaths = time.monotonic(), 0
+        while True:
+            try:
+                for result in runner(self.missing()):
+                    now, deaths = time.monotonic(), 0
+                    self.info["seconds"] = round(self.info["seconds"] + now - last, 1)
+                    self.info["finished_trials"] += 1
+                    last = now
+                    self._write_info()
+                    yield result
+                return
+            except WorkerDied as problem:
+                deaths += 1
+                if deaths == MOST_DEATHS:
+                    raise ExperimentError(f"{deaths} times in a row {problem}") from problem
 
     # -- results -----------------------------------------------------------------------------------------------------
     def trials(self, condition: str) -> list[TrialRecord]:

@@ -12,10 +12,9 @@ What became of every server stands in the trial's folder:
 from __future__ import annotations
 
 import asyncio
-import json
+import contextlib
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,10 +37,23 @@ from rcss_hat.system.locks import InUse, SoleWriter
 LOGS, MATCHES, RUNNING = "servers", "servers.jsonl", "running.json"
 MOST_FUTILE = 3
 """Servers in a row on which no episode was finished, after which a trial is given up."""
+HERE = "127.0.0.1"
 GLANCE_S, BACK_S = 1.0, 60.0
 """Seconds for a server to answer, and for one of several to come back when none does."""
 Match = Callable[[Place, Terms], tuple[RunReport, bool]]
 """Plays a match, or the rest of one, on a place; returns what happened and whether that was all there was to play."""
+
+
+class NotRunning(ValueError):
+    """No trial is being played on a server; the message says where was looked."""
+
+
+class Running(Struct, frozen=True):
+    """What ``running.json`` says: where the match of a trial is."""
+
+    host: str
+    port: int
+    since: float
 
 
 class MatchNote(Struct, frozen=True, kw_only=True):
@@ -172,17 +184,17 @@ class ServerVenue(Venue):
             }
         }
 
-    @contextmanager
+    @contextlib.contextmanager
     def _server(self) -> Iterator[tuple[Place, Terms]]:
         with self._free_one() if self._supply.addresses else self._new_one() as (place, terms, port):
-            where = {"host": place.address[0] if place.address else "127.0.0.1", "port": port, "since": time.time()}
-            write_text(self._folder / RUNNING, json.dumps(where) + "\n")
+            where = Running(place.address[0] if place.address else HERE, port, time.time())
+            write_text(self._folder / RUNNING, msgspec.json.encode(where).decode() + "\n")
             try:
                 yield place, terms
             finally:
                 (self._folder / RUNNING).unlink(missing_ok=True)
 
-    @contextmanager
+    @contextlib.contextmanager
     def _new_one(self) -> Iterator[tuple[Place, Terms, int]]:
         """Start a server, or rather say how: the match does."""
         port = free_ports()
@@ -192,7 +204,7 @@ class ServerVenue(Venue):
         terms = Terms(self.terms.typed, self.terms.say, pace={"port": port}, logs=logs.resolve())
         yield Place(self._place.name, None, self._supply.executable), terms, port
 
-    @contextmanager
+    @contextlib.contextmanager
     def _free_one(self) -> Iterator[tuple[Place, Terms, int]]:
         """Choose one of the servers that run already, which answers and which no other trial uses."""
         give_up = time.monotonic() + BACK_S
@@ -270,3 +282,37 @@ def read_matches(folder: Path) -> list[MatchNote]:
         return [read(MatchNote, load_json(line), f"line {number}") for number, line in enumerate(whole, 1)]
     except FileFormatError as problem:
         raise TrainingError(f"{path} is not valid: {problem}") from problem
+
+
+def running_match(experiment: Path, trial: str = "") -> tuple[str, Place]:
+    """Find a trial of an experiment that is being played on a server.
+
+    Parameters
+    ----------
+    experiment : Path
+        Its folder.
+    trial : str
+        ``CONDITION/NN``, or ``CONDITION`` for any of its trials; by default any.
+
+    Returns
+    -------
+    str, Place
+        Which trial, and where: of several the one whose match began first.
+
+    Raises
+    ------
+    NotRunning
+        When there is none.
+    """
+    trials = experiment / "trials"
+    found = []
+    for path in trials.glob(f"*/*/{RUNNING}"):
+        name = path.parent.relative_to(trials).as_posix()
+        if not trial or name == trial or name.startswith(f"{trial}/"):
+            with contextlib.suppress(FileFormatError, OSError):  # it ended just now
+                found.append((read(Running, load_json(read_text(path, "running match")), str(path)), name))
+    if not found:
+        which = f"trial {trial} of {experiment}" if trial else f"trial of {experiment}"
+        raise NotRunning(f"no {which} is being played on a server")
+    match, name = min(found, key=lambda entry: entry[0].since)
+    return name, Place.at((match.host, match.port))

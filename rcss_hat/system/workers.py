@@ -10,6 +10,7 @@ from contextlib import closing, contextmanager
 from typing import Any, TypeVar
 
 from joblib import Parallel, delayed
+from joblib.externals.loky.process_executor import TerminatedWorkerError
 
 T = TypeVar("T")
 LOOK_S = 0.25
@@ -19,6 +20,10 @@ _UNHEEDED = "ignore:resource_tracker"
 up, and nobody can do anything about it."""
 
 _watched: set[int] = set()
+
+
+class WorkerDied(RuntimeError):
+    """A process that worked here was killed; what was in work is lost, what it had returned is not."""
 
 
 def in_parallel(function: Callable[..., T], work: Iterable[tuple[Any, ...]], processes: int) -> Iterator[T]:
@@ -37,13 +42,21 @@ def in_parallel(function: Callable[..., T], work: Iterable[tuple[Any, ...]], pro
     ------
     object
         What the function returned, in any order; what it raises is raised.
+
+    Raises
+    ------
+    WorkerDied
+        When one of the processes was killed; the others are stopped.
     """
     parent = os.getpid()
     parallel = Parallel(n_jobs=processes, return_as="generator_unordered")
     with _quietly():
         results = parallel(delayed(_call)(parent, function, arguments) for arguments in work)
-    with closing(results) as found:
-        yield from found
+    try:
+        with closing(results) as found:
+            yield from found
+    except TerminatedWorkerError as problem:
+        raise WorkerDied("a worker process was killed (by whom, or for lack of memory, is not known)") from problem
 
 
 @contextmanager

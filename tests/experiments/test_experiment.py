@@ -8,6 +8,7 @@ import threading
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,7 +16,7 @@ import pytest
 from click.testing import CliRunner
 
 from rcss_hat.cli.main import cli
-from rcss_hat.experiments.execution import ClusterError, run_locally, run_on_cluster
+from rcss_hat.experiments.execution import ClusterError, Work, run_locally, run_on_cluster
 from rcss_hat.experiments.experiment import Experiment, ExperimentError
 from rcss_hat.experiments.report_tables import result_table, tables_of
 from rcss_hat.experiments.reporting import make_document, write_report
@@ -24,8 +25,11 @@ from rcss_hat.experiments.run_folder import TrainingError
 from rcss_hat.experiments.study import StudyError
 from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.experiments.trial import run_trial
+from rcss_hat.experiments.venue import Supply, read_matches
 from rcss_hat.hat.decision_list import PAPER_RULES
 from rcss_hat.hat.demonstrations import DemonstrationSet
+from rcss_hat.stage.servers import find_executable
+from rcss_hat.system.workers import WorkerDied
 
 STUDY = Path(__file__).parent / "small.toml"
 
@@ -246,6 +250,40 @@ def test_a_dask_cluster_that_is_not_there_is_named(finished: Experiment, tmp_pat
     with pytest.raises(ClusterError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:9"):
         list(experiment.run(lambda work: run_on_cluster(work, "tcp://127.0.0.1:9")))
     assert threading.active_count() < 50
+
+
+def test_other_workers_go_on_when_some_are_killed_but_not_for_ever(finished: Experiment, tmp_path: Path) -> None:
+    experiment = Experiment.create(str(STUDY), tmp_path / "killed", only=("no-prior",))
+    calls = []
+
+    def runner(work: Work, succeed_at: int) -> Iterator[dict[str, Any]]:
+        calls.append(len(list(work)))
+        if len(calls) < succeed_at:
+            raise WorkerDied("a worker process was killed")
+        yield {"condition": "no-prior", "trial": 0}
+
+    assert len(list(experiment.run(lambda work: runner(work, 3)))) == 1 and calls == [2, 2, 2]
+    with pytest.raises(ExperimentError, match="10 times in a row a worker process was killed"):
+        list(experiment.run(lambda work: runner(work, 99)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", ["fake", "real"])
+def test_dask_workers_start_their_own_servers(cluster: str, tmp_path: Path, stage: str) -> None:
+    if stage == "real" and find_executable() is None:
+        pytest.skip("no rcssserver is on the PATH")
+    text = STUDY.with_name("served.toml").read_text().replace('stage = "fake"', f'stage = "{stage}"')
+    (tmp_path / "study.toml").write_text(text)
+    experiment = Experiment.create(str(tmp_path / "study.toml"), tmp_path / "dask", only=("no-prior",))
+    results = list(experiment.run(lambda work: run_on_cluster(work, cluster, Supply())))
+    assert len(results) == 2 and list(experiment.missing()) == []
+    for trial in range(2):
+        folder = experiment.trial_folder("no-prior", trial)
+        notes = read_matches(folder)
+        assert [note.server for note in notes] == [stage] * 3 and all(note.seed for note in notes)
+        assert (folder / "servers" / "001" / "keepaway.kwy").exists() and TrainingRun.open(folder).done
+    seeds = [seed for result in results for seed in result["servers"]["seeds"]]
+    assert len(set(seeds)) == 6
 
 
 # -- command line ------------------------------------------------------------------------------------------------------

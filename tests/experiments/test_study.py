@@ -59,7 +59,7 @@ def test_the_paper_s_study_has_all_its_conditions() -> None:
 
 
 def test_every_shipped_study_is_valid() -> None:
-    assert study_names() == ["methods", "paper", "rounds", "sets", "size-4v3"]
+    assert study_names() == ["methods", "paper", "real", "rounds", "sets", "size-4v3"]
     for name in study_names():
         assert load_study(name).title
 
@@ -218,18 +218,67 @@ def test_other_numbers_have_the_same_limits() -> None:
             study.scaled(trials, hours)
 
 
-def test_settings_and_seeds_of_trials_stay_those_of_finished_ones() -> None:
+@pytest.mark.parametrize(
+    ("names", "n", "digest"),
+    [
+        (("methods", "paper", "rounds", "sets", "size-4v3"), 530, "1af24fe4c4631c0b"),
+        (("real",), 52, "a417104149c31474"),
+    ],
+)
+def test_settings_and_seeds_of_trials_stay_those_of_finished_ones(names: tuple[str, ...], n: int, digest: str) -> None:
     """A trial whose settings changed is refused: this digest holds what `config.json` of existing ones says."""
     settings = [
         condition.run_config(study.trial_seed(name, trial)).to_dict()
-        for study in map(load_study, study_names())
+        for study in map(load_study, names)
         for name, condition in study.scaled().conditions.items()
         for trial in range(condition.trials)
     ]
     text = json.dumps(settings, sort_keys=True)
-    assert (len(settings), hashlib.sha256(text.encode()).hexdigest()[:16]) == (530, "1af24fe4c4631c0b")
+    assert (len(settings), hashlib.sha256(text.encode()).hexdigest()[:16]) == (n, digest)
 
 
 def test_a_study_that_is_not_there_is_named() -> None:
     with pytest.raises(StudyError, match="no study 'nothing': there are methods, paper"):
         load_study("nothing")
+
+
+SERVED = """
+[defaults]
+stage = "fake"
+
+[[condition]]
+name = "a"
+
+[[condition]]
+name = "b"
+stage = "arena"
+baseline = "b"
+"""
+
+
+def test_a_study_says_what_is_played_where() -> None:
+    study = parse_study('baseline = "a"\n' + SERVED, Path())
+    assert [c.stage for c in study.conditions.values()] == ["fake", "arena"]
+    assert (study.baseline_of("a"), study.baseline_of("b")) == ("a", "b")
+    assert study.conditions["a"].run_config(1).stage == "fake"
+    assert {c.stage for c in load_study("paper").played_on("real").conditions.values()} == {"real"}
+    assert study.chosen(("a",)).conditions["a"].baseline is None
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('baseline = "a"\n' + SERVED.replace('baseline = "b"', ""), "condition 'b': baseline: 'a' is played on fake"),
+        (SERVED.replace('"fake"', '"hear"'), r"'hear' is none of arena, fake, real, and not HOST:PORT"),
+        (SERVED + '[[table]]\nname = "t"\ntitle = "T"\nconditions = ["a", "b"]\n', "have different baselines"),
+        (SERVED + '[[comparison]]\nname = "c"\ntitle = "C"\npairs = [["a", "x"]]\nmargins = {}\n', "no condition 'x'"),
+        (
+            SERVED + '[[comparison]]\nname = "c"\ntitle = "C"\npairs = [["a", "b"]]\nmargins = { final = 0 }\n',
+            "margins must be more than 0",
+        ),
+        ("missed_at_most = 2\n" + SERVED, "missed_at_most must be a share from 0 to 1"),
+    ],
+)
+def test_stages_that_cannot_be_are_named(text: str, message: str) -> None:
+    with pytest.raises(StudyError, match=message):
+        parse_study(text, Path())

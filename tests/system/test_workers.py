@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rcss_hat.system.workers import in_parallel
+from rcss_hat.system.workers import WorkerDied, in_parallel
 
 PARENT = (
     "import sys; from test_workers import busy; from rcss_hat.system.workers import in_parallel; "
@@ -66,3 +67,14 @@ def test_workers_end_when_their_parent_was_killed_and_nobody_complains(tmp_path:
     assert parent.stderr is not None
     assert parent.stderr.read() == b"", "also of who tidies up after them"
     parent.stderr.close()
+
+
+def killed(number: int) -> int:
+    if number == 2:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+def test_a_worker_that_is_killed_is_missed() -> None:
+    with pytest.raises(WorkerDied, match="a worker process was killed"):
+        list(in_parallel(killed, [(number,) for number in range(4)], 2))
