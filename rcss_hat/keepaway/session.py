@@ -90,6 +90,8 @@ class KeepawayPlayer:
         The server's parameters as it told them.
     stopped_by : str
         What the referee said that has stopped play after it had begun, and when; empty while play goes on.
+    news : bool
+        Set when something came that is of interest to others: anything but see, ``(think)`` and what players say.
     onlooker : Onlooker or None
         Who looks over this player's shoulder.
     """
@@ -116,6 +118,7 @@ class KeepawayPlayer:
         self.episodes: list[tuple[int, bool]] = []
         self.told: dict[str, Value] = {}
         self.stopped_by = ""
+        self.news = False
         self.onlooker: Onlooker | None = None
         self.endings = Endings() if endings is None else endings
         self.troubled = False
@@ -179,12 +182,14 @@ class KeepawayPlayer:
             self._look(data)
         elif data.startswith(b"(sense_body "):
             self._feel(data)
+            self.news = True
         elif data.startswith(b"(think"):
             return self._think()
         elif data.startswith(b"(hear "):
             self._hear(data)
         else:
             self._other(data)
+            self.news = True
         return []
 
     def _look(self, data: bytes) -> None:
@@ -234,7 +239,7 @@ class KeepawayPlayer:
             self.troubled = self._asked_twice = True
             return []
         self._asked_twice = False
-        return [*self._answer(), DONE]
+        return self._answer_with_done()
 
     def _hear(self, data: bytes) -> None:
         kind = parse_hear_fast(data, self._heard)
@@ -245,6 +250,7 @@ class KeepawayPlayer:
                 self._heard["time"][0] = -1
                 self.troubled = True
         elif kind in (HEARD_REFEREE, HEARD_OTHER):
+            self.news = True
             event = messages.parse(data)
             if isinstance(event, messages.Hear) and event.source == "referee":
                 self._referee(event)
@@ -340,8 +346,14 @@ class KeepawayPlayer:
         In synch mode ``(think)`` or an answer to it was lost: the server waits, and is answered, perhaps again.
         """
         self._asked_twice = False
-        answers = [] if self._acted else self._answer()
-        return [*answers, DONE] if self.synch else answers
+        if self._acted:
+            return [DONE] if self.synch else []
+        return self._answer_with_done() if self.synch else self._answer()
+
+    def _answer_with_done(self) -> list[bytes]:
+        """Decide; returns one datagram for the commands and ``(done)``, which a server reads one after the other."""
+        answers = self._answer()
+        return [answers[0][:-1] + DONE] if answers else [DONE]
 
     def _answer(self) -> list[bytes]:
         self._acted = True

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from rcss_hat.keepaway.decision import PolicyFailed
 from rcss_hat.keepaway.session import DONE, KeepawayPlayer
 from rcss_hat.keepaway.whereabouts import Whereabouts
 from rcss_hat.protocol.commands import Bye, Score, datagram
@@ -53,7 +52,7 @@ class PlayerClient:
     player : KeepawayPlayer
     host, port : str, int
     on_message : callable, optional
-        Called after every datagram the player took; for progress.
+        Called after every datagram that told the player more than what there is to see and what team mates say.
     """
 
     def __init__(
@@ -63,11 +62,10 @@ class PlayerClient:
         self._host, self._port = host, port
         self.connection = Connection(host, port, player.team)
         self.on_message = on_message
-        self._last_heard = time.monotonic()
+        self._heard = False  # something, since the watch looked last
         self._timer: asyncio.TimerHandle | None = None
         self._waiting_in = -1  # the cycle the timer was set in
-        self._failure: BaseException | None = None
-        self._main: asyncio.Task[None] | None = None
+        self._over: asyncio.Future[None] | None = None
 
     async def connect(self, attempts: int = 60, number: int | None = None, patience: Patience = Patience()) -> None:
         """Take a place in the team and hear the server's parameters.
@@ -162,30 +160,31 @@ class PlayerClient:
         PolicyFailed
             When a policy in Python did not answer with an action.
         """
-        self._main = asyncio.current_task()
+        self._over = asyncio.get_running_loop().create_future()
         watch = asyncio.create_task(self._watch())
+        self.connection.listen(self._take, self._fail)
         try:
-            await self._play()
+            await self._over
         except asyncio.CancelledError:
-            if self._failure is not None:
-                raise self._failure from None
+            if self._over.done() and not self._over.cancelled():
+                self._over.result()  # what went wrong comes first
             raise
         finally:
+            self.connection.deaf()
             watch.cancel()
             if self._timer is not None:
                 self._timer.cancel()
 
-    async def _play(self) -> None:
-        player, connection = self.player, self.connection
-        while True:
-            data = await connection.receive()
-            self._last_heard = time.monotonic()
-            for answer in player.receive(data):
-                await connection.send(answer)
-            if not player.synch or player.troubled:
-                self._schedule()
-            if self.on_message is not None:
-                self.on_message(player)
+    def _take(self, data: bytes) -> None:
+        player = self.player
+        self._heard = True
+        for answer in player.receive(data):
+            self.connection.send_now(answer)
+        if not player.synch or player.troubled:
+            self._schedule()
+        if player.news and self.on_message is not None:
+            player.news = False
+            self.on_message(player)
 
     def _schedule(self) -> None:
         wait = self.player.wait()
@@ -206,7 +205,7 @@ class PlayerClient:
         self._timer = None
         try:
             answers = self.player.deadline()
-        except PolicyFailed as error:  # the event loop, which called this, would only write it down
+        except Exception as error:  # the event loop, which called this, would only write it down
             return self._fail(error)
         for answer in answers:
             self.connection.send_now(answer)
@@ -215,24 +214,22 @@ class PlayerClient:
 
     async def _watch(self) -> None:
         """Notice a server that died without a word."""
+        last_heard = time.monotonic()
         while True:
             await asyncio.sleep(SILENCE / 4)
-            silent = time.monotonic() - self._last_heard
-            try:
-                if silent > PATIENCE:
-                    host, port = self.connection.server
-                    raise ServerGone(
-                        f"{self.player.name}: the server at {host}:{port} has been silent for {silent:.0f} s"
-                    )
-                if silent > SILENCE:
-                    await self.connection.send(datagram(Score()))
-            except ServerGone as error:
-                return self._fail(error)
+            if self._heard:
+                self._heard, last_heard = False, time.monotonic()
+            silent = time.monotonic() - last_heard
+            if silent > PATIENCE:
+                host, port = self.connection.server
+                gone = f"{self.player.name}: the server at {host}:{port} has been silent for {silent:.0f} s"
+                return self._fail(ServerGone(gone))
+            if silent > SILENCE:
+                self.connection.send_now(datagram(Score()))
 
     def _fail(self, error: Exception) -> None:
-        self._failure = error
-        if self._main is not None:
-            self._main.cancel()
+        if self._over is not None and not self._over.done():
+            self._over.set_exception(error)
 
     async def close(self) -> None:
         """Say goodbye and close."""

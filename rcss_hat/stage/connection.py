@@ -1,23 +1,29 @@
-"""One UDP client of a soccer server, over asyncio-dgram.
+"""One UDP client of a soccer server.
 
 The server answers the first datagram from a new port and speaks from there ever after. The socket is therefore open
 to all at first and connected to that port once the first reply has come, so that a server that is gone is noticed
 (the operating system reports "connection refused") and strangers' datagrams are dropped.
+
+Who waits for one datagram or another awaits `Connection.receive`. Players, who take thousands per second, give a
+function instead (`Connection.listen`): it is called with all that have come, without a task, a queue or a future each.
 """
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import socket
+from collections.abc import Callable
 from types import TracebackType
 from typing import Any
-
-import asyncio_dgram
-from asyncio_dgram.aio import DatagramServer
 
 from rcss_hat.protocol.errors import one_line
 
 RECEIVE_BUFFER = 1 << 20
+LARGEST = 1 << 16
+"""No datagram has more bytes."""
+AT_A_TIME = 64
+"""Datagrams that are taken from one socket before others have their turn; a cycle brings a player about six."""
 
 
 class ServerGone(ConnectionError):
@@ -49,7 +55,8 @@ class Connection:
         self.name = name
         self._subject = f"{name}: " if name else ""
         self._socket: socket.socket | None = None
-        self._stream: DatagramServer | None = None
+        self._listening = False
+        self._late: set[asyncio.Task[None]] = set()
 
     async def open(self, first: bytes, *, attempts: int = 60, pause: float = 0.25) -> bytes:
         r"""Send the first datagram until the server answers.
@@ -77,31 +84,29 @@ class Connection:
         except socket.gaierror as error:
             raise ServerGone(f"{self._subject}the host {host!r} is not known ({error.strerror})") from error
         family, _, _, _, address = infos[0]
-        self._socket = socket.socket(family, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
-        self._socket.bind(("", 0))
-        stream = await asyncio_dgram.from_socket(self._socket)
-        assert isinstance(stream, DatagramServer)  # not connected yet
-        self._stream = stream
+        self._socket = opened = socket.socket(family, socket.SOCK_DGRAM)
+        opened.setblocking(False)
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        opened.bind(("", 0))
         try:
-            reply, sender = await self._ask(stream, first, address, attempts, pause)
+            reply, sender = await self._ask(opened, first, address, attempts, pause)
         except BaseException:
             self.close()
             raise
-        self._socket.connect(sender)
+        opened.connect(sender)
         self.server = sender
         return reply
 
     async def _ask(
-        self, stream: DatagramServer, first: bytes, address: Any, attempts: int, pause: float
+        self, opened: socket.socket, first: bytes, address: Any, attempts: int, pause: float
     ) -> tuple[bytes, tuple[str, int]]:
         """Send the first datagram until its address's host answers; returns the reply and where it came from."""
+        loop = asyncio.get_running_loop()
         for _ in range(attempts):
-            await stream.send(first, address)
             try:
+                await loop.sock_sendto(opened, first, address)
                 async with asyncio.timeout(pause):
-                    reply, sender = received(await stream.recv())
+                    reply, sender = received(await loop.sock_recvfrom(opened, LARGEST))
             except TimeoutError:
                 continue
             except OSError:
@@ -114,6 +119,9 @@ class Connection:
             f"{self._subject}no server answers at {host}:{port} (waited {attempts * pause:.0f} s); is it running there?"
         )
 
+    def _gone(self) -> ServerGone:
+        return ServerGone(f"{self._subject}the server at {self.server[0]}:{self.server[1]} is gone")
+
     async def receive(self) -> bytes:
         """Wait for the next datagram.
 
@@ -122,34 +130,81 @@ class Connection:
         ServerGone
             When the server's port was closed.
         """
-        assert self._stream is not None, "open() comes first"
+        assert self._socket is not None, "open() comes first"
         try:
-            data, _ = await self._stream.recv()
-        except (OSError, asyncio_dgram.TransportClosed) as error:
-            raise ServerGone(f"{self._subject}the server at {self.server[0]}:{self.server[1]} is gone") from error
-        return bytes(data)
+            return await asyncio.get_running_loop().sock_recv(self._socket, LARGEST)
+        except OSError as error:
+            raise self._gone() from error
+
+    def listen(self, take: Callable[[bytes], None], fail: Callable[[Exception], None]) -> None:
+        """Have a function called with every datagram from now on, instead of awaiting `receive`.
+
+        Parameters
+        ----------
+        take : callable
+            Given every datagram.
+        fail : callable
+            Given what `take` raises, or ServerGone when the server's port was closed; nothing is taken any more then.
+        """
+        assert self._socket is not None, "open() comes first"
+        receive = self._socket.recv
+
+        def read() -> None:
+            for _ in range(AT_A_TIME):
+                try:
+                    data = receive(LARGEST)
+                except BlockingIOError:
+                    return
+                except OSError:
+                    self.deaf()
+                    return fail(self._gone())
+                try:
+                    take(data)
+                except Exception as error:
+                    self.deaf()
+                    fail(error)
+                if not self._listening:
+                    return
+
+        self._listening = True
+        asyncio.get_running_loop().add_reader(self._socket, read)
+
+    def deaf(self) -> None:
+        """Undo `listen`."""
+        if self._listening and self._socket is not None:
+            self._listening = False
+            asyncio.get_running_loop().remove_reader(self._socket)
 
     async def send(self, data: bytes) -> None:
         """Send one complete datagram (with its final NUL)."""
-        assert self._stream is not None, "open() comes first"
+        assert self._socket is not None, "open() comes first"
         try:
-            await self._stream.send(data, self.server)
-        except (OSError, asyncio_dgram.TransportClosed) as error:
-            raise ServerGone(f"{self._subject}the server at {self.server[0]}:{self.server[1]} is gone") from error
+            await asyncio.get_running_loop().sock_sendall(self._socket, data)
+        except OSError as error:
+            raise self._gone() from error
 
     def send_now(self, data: bytes) -> None:
-        """Send one complete datagram from a timer, where nothing can be awaited; a lost server is noticed later."""
+        """Send one complete datagram where nothing can be awaited; a lost server is noticed later."""
         assert self._socket is not None, "open() comes first"
         try:
             self._socket.send(data)
+        except BlockingIOError:  # the network cannot take it at once
+            late = asyncio.get_running_loop().create_task(self._send_late(data))
+            self._late.add(late)
+            late.add_done_callback(self._late.discard)
         except OSError:
             return
 
+    async def _send_late(self, data: bytes) -> None:
+        with contextlib.suppress(ServerGone, AssertionError):
+            await self.send(data)
+
     def close(self) -> None:
         """Close the socket."""
-        if self._stream is not None:
-            self._stream.close()
-            self._stream = None
+        self.deaf()
+        if self._socket is not None:
+            self._socket.close()
+            self._socket = None
 
     async def __aenter__(self) -> Connection:
         return self

@@ -51,7 +51,7 @@ def told(player: KeepawayPlayer, *datagrams: bytes) -> list[bytes]:
 def test_a_player_answers_once_however_often_it_is_asked() -> None:
     player = playing(3)
     answers = told(player, sense(4), see(4), THINK, THINK, THINK)
-    assert answers.count(DONE) == 1 and answers[-1] == DONE
+    assert len(answers) == 1 and answers[0].endswith(DONE)
     assert told(player, sense(4), see(4), THINK) == []
     assert player.missed == 0
 
@@ -92,7 +92,7 @@ def test_a_kick_off_that_one_was_not_told_of_shows_in_the_cycles() -> None:
     assert not player.playing
     told(player, sense(1))
     assert player.playing and player.first_cycle == 0
-    assert told(player, THINK)[-1] == DONE
+    assert told(player, THINK)[-1].endswith(DONE)
 
 
 def test_a_later_match_begins_where_time_stood() -> None:
@@ -114,7 +114,7 @@ def test_who_was_not_asked_answers_after_silence() -> None:
     told(player, sense(4), sense(4))  # one sees that the network makes mistakes
     assert player.wait() == SILENT
     answers = player.deadline()
-    assert answers[-1] == DONE and len(answers) <= 2
+    assert len(answers) == 1 and answers[0].endswith(DONE)
     assert player.deadline() == [DONE], "the answer may have been lost"
     told(player, sense(5))
     assert player.missed == 0
@@ -125,7 +125,7 @@ def test_a_request_that_overtook_the_cycle_is_answered_soon() -> None:
     assert told(player, THINK) == []  # of cycle 4, or of 3 again
     told(player, sense(4))
     assert player.wait() == OVERDUE
-    assert player.deadline()[-1] == DONE
+    assert player.deadline()[-1].endswith(DONE)
 
 
 def test_words_of_a_cycle_that_is_over_are_not_heard_again() -> None:
@@ -147,7 +147,7 @@ def test_messages_that_a_player_does_not_know_are_counted_and_few_are_kept() -> 
 def test_a_clock_that_was_set_back_is_believed() -> None:
     player = playing(3)
     told(player, sense(50_000), THINK)
-    assert told(player, sense(4), see(4), THINK)[-1] == DONE
+    assert told(player, sense(4), see(4), THINK)[-1].endswith(DONE)
     assert player.cycle == 4
 
 

@@ -39,7 +39,7 @@ class Hostile(asyncio.DatagramProtocol):
         if data.startswith((b"(init", b"(dispinit")):
             for message in (self.reply, *self.told):
                 self.transport.sendto(message, address)
-        if data == DONE:
+        if data.endswith(DONE):
             self.answered.set()
 
 

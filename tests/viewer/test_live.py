@@ -8,6 +8,7 @@ import pytest
 
 from rcss_hat.keepaway.decision import Decision
 from rcss_hat.stage.connection import Connection
+from rcss_hat.viewer import live
 from rcss_hat.viewer.audience import WatchError
 from rcss_hat.viewer.live import MonitorSource
 from rcss_hat.viewer.narrator import Insight
@@ -159,35 +160,29 @@ async def test_who_stays_sees_the_server_when_it_comes_back() -> None:
     await asyncio.gather(task, return_exceptions=True)
 
 
-class OneMoment:
-    """A stream that has a datagram in the very moment in which the test stops watching, and none after it."""
+class OneMoment(Connection):
+    """A connection that has a datagram in the very moment in which the test stops watching, and none after it."""
 
-    def __init__(self) -> None:
-        self.waiting: asyncio.Future[tuple[bytes, Address]] | None = None
+    waiting: asyncio.Future[bytes] | None = None
 
-    async def recv(self) -> tuple[bytes, Address]:
-        self.waiting = asyncio.get_running_loop().create_future()
-        return await self.waiting
+    async def open(self, first: bytes, *, attempts: int = 60, pause: float = 0.25) -> bytes:
+        OneMoment.waiting = None
+        return datagrams("monitor-v5.txt.gz")[0]
 
-    async def send(self, data: bytes, address: Address) -> None:
+    async def receive(self) -> bytes:
+        OneMoment.waiting = asyncio.get_running_loop().create_future()
+        return await OneMoment.waiting
+
+    async def send(self, data: bytes) -> None:
         assert data == b"(dispbye)\0"
-
-    def close(self) -> None:
-        return
 
 
 async def test_a_datagram_in_the_last_moment_does_not_keep_us_watching(monkeypatch: pytest.MonkeyPatch) -> None:
-    stream, first, *_ = OneMoment(), *datagrams("monitor-v5.txt.gz")
-
-    async def connect(connection: Connection, greeting: bytes, attempts: int, pause: float) -> bytes:
-        connection._stream = stream  # type: ignore[assignment]
-        return first
-
-    monkeypatch.setattr(Connection, "open", connect)
+    monkeypatch.setattr(live, "Connection", OneMoment)
     watching = asyncio.create_task(MonitorSource("127.0.0.1", 6000).run(Remembering()))
-    await until(lambda: stream.waiting)
-    assert stream.waiting is not None
-    stream.waiting.set_result((first, ("127.0.0.1", 6000)))
+    await until(lambda: OneMoment.waiting)
+    assert OneMoment.waiting is not None
+    OneMoment.waiting.set_result(datagrams("monitor-v5.txt.gz")[0])
     watching.cancel()
     done, _ = await asyncio.wait({watching}, timeout=5.0)
     assert done and watching.cancelled()
