@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rcss_hat.cli.common import Target, deliver, plain_errors, say
+from rcss_hat.cli.common import Target, deliver, plain_errors, progress_bar, say
 from rcss_hat.system.locks import SoleWriter
 
 if TYPE_CHECKING:
@@ -116,6 +116,36 @@ async def _serve(server: StudyServer) -> None:
         say("Ctrl-C ends; everything is kept.")
         await stopped.wait()
         say("Ending ...")
+
+
+@study.command()
+@click.argument("study_file", metavar="STUDY")
+@click.option("--participants", type=click.IntRange(1, 10_000), default=None, help="How many.  [default: the study's]")
+@click.option("--out", type=Target(folder=True), required=True, help="The rehearsal's folder, apart from people's.")
+@click.option(
+    "--hurry", type=click.FloatRange(1, 20), default=2.0, show_default=True, help="Times as fast as for people."
+)
+@click.option(
+    "--jobs", type=click.IntRange(1), default=os.cpu_count() or 1, help="Processes for games.  [default: cores]"
+)
+def rehearse(study_file: str, participants: int | None, out: Path, hurry: float, jobs: int) -> None:
+    """Let scripted participants go through a study, by its own pages, with human reaction times.
+
+    They play in the manner of the teachers A, B and C, each a little different. The same command goes on after a stop.
+
+    \b
+    Example:
+      rcss-hat study rehearse people --participants 12 --out studies/rehearsal
+      rcss-hat study report studies/rehearsal
+    """
+    from rcss_hat.studies.rehearsal import rehearse as play
+
+    found = _loaded(study_file)
+    many = participants or found.participants
+    with plain_errors(ValueError, RuntimeError), SoleWriter(out), progress_bar("rehearsal", many, "people") as bar:
+        told = asyncio.run(play(found, out, many, jobs, hurry, say, bar))
+    games, breaks = sum(t["games"] for t in told), sum(t["breaks"] for t in told)
+    deliver(f"{len(told)} participants played {games} games in {out}" + (f"; {breaks} breaks" if breaks else ""))
 
 
 @study.command()

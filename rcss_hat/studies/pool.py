@@ -63,15 +63,19 @@ class Pool:
 
     async def start(self) -> None:
         """Start all workers, and wait until they are ready: the first one compiles where that was not done before."""
-        for k in range(self._size):
-            begun = asyncio.Event()
-            self._keepers.append(asyncio.create_task(self._keep(k, begun)))
-            ready = asyncio.create_task(begun.wait())
-            await asyncio.wait({ready, self._keepers[-1]}, return_when=asyncio.FIRST_COMPLETED)
-            ready.cancel()
-            if self._keepers[-1].done():
-                self._keepers[-1].result()
-                raise RuntimeError("the processes in which games are played end as soon as they begin")
+        await self._begin(0)
+        await asyncio.gather(*(self._begin(k) for k in range(1, self._size)))
+
+    async def _begin(self, k: int) -> None:
+        begun = asyncio.Event()
+        keeper = asyncio.create_task(self._keep(k, begun))
+        self._keepers.append(keeper)
+        ready = asyncio.create_task(begun.wait())
+        await asyncio.wait({ready, keeper}, return_when=asyncio.FIRST_COMPLETED)
+        ready.cancel()
+        if keeper.done():
+            keeper.result()
+            raise RuntimeError("the processes in which games are played end as soon as they begin")
 
     async def close(self) -> None:
         """Let all games be put away, and end the workers."""

@@ -39,6 +39,8 @@ LOOK = 0.1
 """Seconds between two looks whether the game stands still."""
 TOLD = 20.0
 """Seconds between two remarks on how pictures come through."""
+EARLY = 100
+"""Messages of pages that are kept until the match is open."""
 LATE_MS = 100
 """So much later than it should a picture is late."""
 
@@ -119,6 +121,7 @@ class Table:
         self._demonstrator: Demonstrator | None = None
         self._room: WatchedRoom | None = None
         self._entered: dict[int, Browser] = {}
+        self._early: list[tuple[int, str]] = []
 
     # -- the game -----------------------------------------------------------------------------------------------------
     async def run(self) -> None:
@@ -152,6 +155,8 @@ class Table:
             room.on_message, room.on_frame = self._said, self._framed
             for browser in self._entered.values():
                 room.enter(browser)
+            for page, text in self._early:
+                self.hear(page, text)
             watch = asyncio.create_task(self._watch(demonstrator))
             try:
                 await room.run()
@@ -195,6 +200,9 @@ class Table:
                 await asyncio.sleep(RETRY)
         self._flush_all()
         self._tell_lag()
+        for browser in list(self._entered.values()):  # the end of the last game comes before the next step
+            with contextlib.suppress(ConnectionError):
+                await browser.flush()
         if self._writer is not None:
             self._writer.__exit__(None, None, None)
 
@@ -218,8 +226,11 @@ class Table:
             self._room.enter(browser)
 
     def hear(self, page: int, text: str) -> None:
-        """Take what a page says."""
-        if self._room is not None and page in self._entered:
+        """Take what a page says; what comes before the match is open is heard then."""
+        if self._room is None:
+            if len(self._early) < EARLY:
+                self._early.append((page, text))
+        elif page in self._entered:
             self._room.hear(self._entered[page], text)
             if self._keys.pending is not self._waiting:
                 self._waiting, self._pending = self._keys.pending, self._current
