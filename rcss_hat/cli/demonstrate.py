@@ -54,6 +54,9 @@ class Options:
     speed: float
     port: int
     open_browser: bool
+    plain: bool
+    language: str | None
+    public_url: str | None
     episodes: int
     seed: int | None
     out: Path
@@ -86,6 +89,9 @@ class Options:
 )
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; 0: any.")
 @click.option("--open/--no-open", "open_browser", default=True, help="Open the page by itself.")
+@click.option("--plain", is_flag=True, help="The page shows no state variables and values; for studies.")
+@click.option("--language", default=None, help="Of the page: en, de.  [default: the browser's]")
+@click.option("--public-url", default=None, help="Under which a reverse proxy shows the page.")
 @click.option("--episodes", type=click.IntRange(1), default=20, show_default=True, help="How many in all.")
 @click.option("--seed", type=click.IntRange(0), default=None, help="Same seed, same demonstration (fake and arena).")
 @click.option("--out", type=Target(), required=True, help="The table, x.csv (and x.json).")
@@ -148,6 +154,7 @@ def _lesson(task: Task, place: Place, options: Options) -> Lesson:
 
     if options.speed != 1.0 and not options.person:
         raise click.UsageError("--speed is for people: give it with --browser or --terminal")
+    _check_page(options)
     scripted = next((style for style in STYLES if style.lower() == options.teacher.lower()), None)
     try:
         allowed = parse_actions(options.actions, task.keepers)
@@ -163,6 +170,19 @@ def _lesson(task: Task, place: Place, options: Options) -> Lesson:
     name, today = "person" if options.person else options.teacher, datetime.date.today().isoformat()
     info = DemonstrationInfo(name, str(place), task, in_force, seed, today, notes)
     return Lesson(task, place, options, info, terms, allowed, None if options.person else scripted)
+
+
+def _check_page(options: Options) -> None:
+    """Check what is asked of the page."""
+    from rcss_hat.viewer.pagefiles import languages, public_origin
+
+    if options.language is not None and options.language not in languages():
+        raise click.BadParameter(f"there are {', '.join(languages())}", param_hint="--language")
+    if options.public_url is not None:
+        try:
+            public_origin(options.public_url)
+        except ValueError as error:
+            raise click.BadParameter(str(error), param_hint="--public-url") from error
 
 
 def _policy(teacher: str, task: Task, seed: int) -> TeamPolicy:
@@ -191,12 +211,17 @@ class Lesson:
         from rcss_hat.hat.policy import python_policy
         from rcss_hat.viewer.controls import KeyChannel
         from rcss_hat.viewer.demonstrator import Demonstrator
+        from rcss_hat.viewer.demonstrator import Terms as PersonTerms
+        from rcss_hat.viewer.room import Manner
 
         o = self.options
-        demonstrator = Demonstrator(KeyChannel(self.allowed), writer, o.episodes)
+        terms = PersonTerms(o.episodes, start=True, speed=o.speed)
+        demonstrator = Demonstrator(KeyChannel(self.allowed), writer, terms)
         policy = python_policy(demonstrator.answer, self.task.keepers, self.task.takers, "person")
         with self._stage(seed, policy) as stage, _early_end(stage.report):
-            play_by_hand(stage, demonstrator, Screen(o.speed, o.terminal, o.port, o.open_browser))
+            manner = Manner(o.plain, o.language)
+            screen = Screen(o.speed, o.terminal, o.port, o.open_browser, manner, o.public_url)
+            play_by_hand(stage, demonstrator, screen)
         return stage.report
 
     def _by_policy(self, seed: int, writer: DemonstrationWriter, update: Callable[..., None]) -> RunReport:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rcss_hat.stage.stages import Stage
     from rcss_hat.viewer.audience import Audience, Source
     from rcss_hat.viewer.demonstrator import Demonstrator
+    from rcss_hat.viewer.room import Manner
 
 ACTION_NAMES = {"hold": 0, **{f"pass{k}": k for k in range(1, 11)}}
 TITLE = "demonstration"
@@ -46,6 +47,8 @@ class Screen:
     terminal: bool
     port: int
     open_browser: bool
+    manner: Manner | None = None
+    public_url: str | None = None
 
 
 def play_by_hand(stage: Stage, demonstrator: Demonstrator, screen: Screen) -> None:
@@ -120,9 +123,17 @@ async def _show(source: Source, demonstrator: Demonstrator, screen: Screen) -> N
         return
     from rcss_hat.viewer.server import serve
 
-    async with await serve(source, demonstrator, port=screen.port, open_browser=screen.open_browser) as viewer:
+    served = await serve(
+        source,
+        demonstrator,
+        port=screen.port,
+        open_browser=screen.open_browser,
+        manner=screen.manner,
+        public_url=screen.public_url,
+    )
+    async with served as viewer:
         click.echo(f"Demonstrate at {viewer.url}", err=True)
-        click.echo("Play begins when the page is open. Ctrl-C ends; finished episodes are kept.", err=True)
+        click.echo("Play begins with the start key on the page. Ctrl-C ends; finished episodes are kept.", err=True)
         await _until(over, asyncio.create_task(viewer.wait()))
 
 

@@ -15,7 +15,6 @@ import secrets
 import sys
 import webbrowser
 from typing import Any
-from urllib.parse import urlsplit
 
 from aiohttp import WSMsgType, web
 
@@ -23,7 +22,7 @@ from rcss_hat.viewer.audience import Source, WatchError
 from rcss_hat.viewer.browser import Browser
 from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.door import Door
-from rcss_hat.viewer.pagefiles import HEADERS, static_files
+from rcss_hat.viewer.pagefiles import HEADERS, public_origin, static_files
 from rcss_hat.viewer.protocol import MAX_MESSAGE
 from rcss_hat.viewer.room import Manner, Room
 
@@ -57,7 +56,7 @@ class Viewer:
         self.room = room
         self.url = ""
         self._public = public_url
-        self._origin = None if public_url is None else origin(public_url)
+        self._origin = None if public_url is None else public_origin(public_url)
         self._token = secrets.token_urlsafe(24)
         self._sessions: set[str] = set()
         self._files = static_files()
@@ -147,7 +146,7 @@ class Viewer:
 
     async def _page(self, request: web.Request) -> web.StreamResponse:
         """Give the page; who has the token and no session yet gets one."""
-        response = self._file("index.html")
+        response = self._file("index.html" if self.room.controls is None else "play.html")
         if self._session(request) is None:
             session = secrets.token_urlsafe(24)
             self._sessions.add(session)
@@ -190,20 +189,6 @@ class Viewer:
             with contextlib.suppress(asyncio.CancelledError, ConnectionError):
                 await sender
         return socket
-
-
-def origin(url: str) -> tuple[str, str]:
-    """Split a public address into scheme and host, with the port where it names one.
-
-    Raises
-    ------
-    ValueError
-        When it is none.
-    """
-    parts = urlsplit(url)
-    if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment:
-        raise ValueError(f"a public address is such as https://study.example.org/keepaway/, not {url!r}")
-    return parts.scheme, parts.netloc
 
 
 async def serve(

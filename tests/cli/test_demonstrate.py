@@ -29,6 +29,8 @@ def invoke(*arguments: str) -> tuple[int, str]:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        ((*BY_HAND, "--language", "xx"), "there are en, de"),
+        ((*BY_HAND, "--public-url", "example.org"), "such as https://study.example.org/keepaway/"),
         (("demonstrate", "--out", "x.csv", "--speed", "5"), "--speed is for people: give it with --browser or"),
         (("demonstrate", "--out", "x.csv", "--teacher", "D"), "scripted persons are A, B, C, B-fast, B-limited"),
         ((*BY_HAND, "--on", "fake", "--speed", "3"), "multiples of 10 ms, from 20 ms; try 2.5 or 3.33"),
@@ -75,13 +77,19 @@ async def browser(url: str) -> AsyncIterator[aiohttp.ClientSession]:
 
 
 async def frames(http: aiohttp.ClientSession, address: str, n: int | None = None) -> tuple[list[int], list[str]]:
-    """Connect as the page does and look at n frames, or all; returns their cycles, and what people were told."""
+    """Connect as the page does, start, and look at n frames, or all; returns their cycles, and what people were told.
+
+    The person chooses to hold, now and then.
+    """
     cycles, notices = [], []
     async with http.ws_connect(f"{address}/socket", headers={"Origin": address}) as page:
         async for message in page:
             told = json.loads(message.data)
-            if told["type"] == "frame":
+            if told["type"] == "hello":
+                await page.send_json({"type": "demonstration", "value": "start"})
+            elif told["type"] == "frame":
                 cycles.append(told["frame"]["time"])
+                await page.send_json({"type": "press", "value": 0})
             elif told["type"] == "notice":
                 notices.append(told["text"])
             if len(cycles) == n:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import shutil
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -63,6 +64,9 @@ async def open_page(chromium: Browser) -> AsyncIterator[OpenPage]:
         page.on("request", lambda request: complaints.append(f"foreign request: {request.url}")
                 if not request.url.startswith(url.partition("?")[0]) else None)  # fmt: skip
         await page.goto(url)
+        async with asyncio.timeout(20.0):  # a page that plays has texts to load first
+            while await page.evaluate("typeof viewer === 'undefined'"):
+                await asyncio.sleep(0.01)
         return page
 
     yield open_page

@@ -83,6 +83,7 @@ async def test_playing_has_names_and_contrasts(
     stage.show(1)
     await until(page, "viewer.frame")
     assert await violations(page) == []
+    await page.click("#details-button")
     end(viewer.room, Episode(1, 0, 30, OUT))
     viewer.room.notice("Begins in 3 ...")
     viewer.room.frame(make_frame(snapshot(2, (2.0, 1.0), **FIELD), SETUP, 2, 30))

@@ -202,16 +202,16 @@ async def test_a_second_browser_takes_over_when_the_first_is_gone(
     await ready(first, stage)
     second = await open_page(viewer.url)
     await until(second, "!document.getElementById('seat').hidden")
-    assert "Another browser plays" in await second.inner_text("#seat")
+    assert "Another page plays" in await second.inner_text("#seat")
     assert not await second.is_visible("#take-seat") and not await second.is_visible("#play")
     await second.evaluate("viewer.send({ type: 'seat' })")  # not even when its page is tampered with
-    await until(second, "document.getElementById('banner').textContent.includes('another browser plays')")
+    await until(second, "document.getElementById('banner').textContent.includes('Another page plays')")
     await first.close()
     await until(second, "document.getElementById('seat-text').textContent.startsWith('Nobody plays')")
     assert demonstration.standing
     await second.click("#take-seat")
     await until(second, "!document.getElementById('play').hidden")
-    assert await second.inner_text("#connection") == "you play" and not await second.is_visible("#seat")
+    assert await second.inner_text("#connection") == "connected" and not await second.is_visible("#seat")
     assert not demonstration.standing
     await second.keyboard.press("2")
     await until_here(lambda: demonstration.keys.pending)
@@ -259,7 +259,7 @@ async def test_the_end_is_quiet_and_says_what_to_do_next(stage: Stage, open_page
     demonstration.close()
     await until(page, "document.getElementById('farewell').open")
     text = await page.inner_text("#farewell")
-    for part in ("Thank you!", "1 episode is recorded", str(path), f"rcss-hat summarize '{path}' --out rules.json"):
+    for part in ("Thank you!", "1 game is recorded", str(path), f"rcss-hat summarize '{path}' --out rules.json"):
         assert part in text
     await until(watcher, "document.getElementById('farewell').open")
     await page.keyboard.press("Enter")
@@ -278,7 +278,7 @@ async def test_stopping_early_says_so(stage: Stage, open_page: OpenPage, demonst
     await viewer.close()
     await until(page, "document.getElementById('farewell').open")
     text = await page.inner_text("#farewell")
-    assert "The demonstration is over" in text and "Nothing was recorded" in text and "summarize" not in text
+    assert "The games are over" in text and "Nothing was recorded" in text and "summarize" not in text
 
 
 # -- keys -------------------------------------------------------------------------------------------------------------
@@ -288,9 +288,9 @@ async def test_a_key_that_means_nothing_here_is_answered_in_words(
     page = await open_page(viewer.url)
     await ready(page, stage)
     await page.keyboard.press("3")
-    assert await page.inner_text("#banner") == "There is no 3 here: 1 and 2 pass, 0 holds"
+    assert await page.inner_text("#banner") == "There is no 3 here: 1 or 2 passes, 0 holds."
     await page.evaluate("viewer.send({ type: 'press', value: 9 })")
-    await until(page, "document.getElementById('banner').textContent.startsWith('there is no such pass here')")
+    await until(page, "document.getElementById('banner').textContent.startsWith('There is no ? here: 1 or 2')")
     assert demonstration.keys.presses == 0
 
 
@@ -306,7 +306,7 @@ async def test_a_key_that_came_too_late_is_shown_as_lapsed(
     taker_has_it = snapshot(3, (-5.2, 0.0), **FIELD)
     stage.audience.frame(make_frame(taker_has_it, SETUP, 1, 0))  # type: ignore[union-attr]
     await until(page, "document.querySelector('#passes .lapsed')?.dataset.action === '1'")
-    assert await page.inner_text("#banner") == "Too late: PASS1 was not played"
+    assert await page.inner_text("#banner") == "Too late: the pass to 1 was not played."
     assert await page.evaluate("document.querySelectorAll('#passes .pending, #passes .done').length") == 0
     stage.show(20)
     await until(page, "document.querySelectorAll('#passes .lapsed').length === 0")

@@ -87,6 +87,7 @@ NOTE_INPUT = """() => {
   addEventListener("pointerdown", note, true);
   const send = viewer.send.bind(viewer);
   viewer.send = (message) => {
+    if (!["press", "mate"].includes(message.type)) { send(message); return; }
     const choice = viewer.frame.choices.find((c) => c.mate === message.value);
     inputs.push({ wall, holder: viewer.frame.holder, action: choice ? choice.action : message.value });
     send(message);
@@ -205,9 +206,12 @@ async def test_the_page_tells_which_team_mate_each_key_means(
     names = await page.evaluate(
         "[...document.querySelectorAll('#passes button')].map((b) => b.innerText.split(/\\s+/))"
     )
-    assert names == [["Hold", "0"], ["PASS1", "1", "\u2192"], ["PASS2", "2", "\u2193"]]
+    assert names == [["Hold", "Space"], ["1", "\u2192"], ["2", "\u2193"]]
     label = await page.get_attribute("#pitch", "aria-label")
-    assert "keeper 1 has the ball; key 1 passes to keeper 2; key 2 passes to keeper 3" in label
+    assert label == (
+        "The field. You have the ball. Player 1: 5 metres right. Player 2: 6 metres down. "
+        "Nearest orange player: 5 metres left."
+    )
     await page.keyboard.press("2")
     await until(page, "document.querySelector('#passes .pending')?.dataset.action === '2'")
     await page.keyboard.press("0")
@@ -272,7 +276,7 @@ async def test_limited_actions_offer_one_pass(stage: Stage, open_page: OpenPage)
 async def test_a_second_browser_cannot_play(viewer: Viewer, open_page: OpenPage, demonstration: Demonstrator) -> None:
     first = await open_page(viewer.url)
     await until(first, "viewer.frames > 0")
-    assert await first.inner_text("#connection") == "you play"
+    assert await first.inner_text("#connection") == "connected"
     second = await open_page(viewer.url)
     await until(second, "viewer.frames > 2")
     assert await second.inner_text("#connection") == "watching"
@@ -296,7 +300,11 @@ async def test_the_recording_is_steered_by_keys(
     async def text(part: str) -> None:
         await until(page, f"document.getElementById('progress-text').textContent.includes('{part}')")
 
-    await text("Practice")
+    await text("Practice game 1 of 20")
+
+    async def remark(text: str) -> None:
+        await until(page, f"document.getElementById('remark').textContent === '{text}'")
+
     press = page.keyboard.press
     assert await page.is_disabled("#drop-last")
     end(viewer.room, Episode(1, 0, 30, OUT))
@@ -306,14 +314,14 @@ async def test_the_recording_is_steered_by_keys(
     await press("l")
     await until(page, "!viewer.status.last_dropped && viewer.status.kept === 1")
     await press("d")
-    await text("this one will be dropped")
+    await remark("This game will be dropped.")
     assert await page.get_attribute("#drop", "aria-pressed") == "true"
     end(viewer.room, Episode(2, 30, 60, OUT))
     await until(page, "viewer.status.dropped === 1")
     await press("p")
-    await text("paused")
+    await remark("Paused. The keepers hold, and this game does not count.")
     await page.click("#pause-recording")
-    await text("goes on with the next episode")
+    await remark("The next game counts again.")
     await press("f")
     assert await page.is_visible("#confirm")
     await press("Escape")
@@ -366,9 +374,7 @@ async def test_a_demonstration_recorded_through_the_page_trains_hat(tmp_path: Pa
         page = await open_page(viewer.url)
         await until(page, "viewer.frames > 0", 300.0)
         await page.evaluate(PLAY)
-        await until(
-            page, "document.getElementById('progress-text').textContent.startsWith('Finished: 5 episodes')", 60.0
-        )
+        await until(page, "document.getElementById('progress-text').textContent.startsWith('Finished: 5 games')", 60.0)
         assert demonstration.finished
         await page.close()
     demonstrations = DemonstrationSet.load(tmp_path / "demo.csv")

@@ -16,6 +16,11 @@ export class Attention {
     this.update();
   }
 
+  close(...dialogs) {
+    for (const dialog of dialogs) if (dialog.open) dialog.close();
+    this.update();
+  }
+
   update() {
     const looking = !document.hidden && document.hasFocus() && !document.querySelector("dialog[open]");
     if (looking === this.looking) return;

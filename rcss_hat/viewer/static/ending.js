@@ -2,12 +2,11 @@
 
 const $ = (id) => document.getElementById(id);
 
-export function sayFarewell({ kept, episodes, file, next }, played) {
+export function sayFarewell({ kept, episodes, file, next }, played, texts) {
   const complete = file && (!episodes || kept >= episodes);
-  $("farewell-title").textContent = played && complete ? "Thank you!" : "The demonstration is over";
-  const many = kept === 1 ? "1 episode is" : `${kept} episodes are`;
-  const later = complete ? "" : " To go on with the same file later, give the same command with --resume.";
-  $("farewell-text").textContent = file ? `${many} recorded in ${file}.${later}` : "Nothing was recorded.";
+  $("farewell-title").textContent = texts.say(played && complete ? "thanks" : "ended");
+  const where = file ? texts.say("kept_in", { n: kept, file }) : texts.say("kept_none");
+  $("farewell-text").textContent = complete || !file ? where : `${where} ${texts.say("later")}`;
   $("farewell-next").hidden = !next;
   $("farewell-command").textContent = next ?? "";
 }

@@ -1,7 +1,6 @@
 // Keys to commands. Keys with Ctrl, Alt or Meta stay the browser's; so do those typed into a field of the page.
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 20, 100];
-const ARROWS = new Set(["ArrowLeft", "ArrowUp", "ArrowRight", "ArrowDown"]);
 
 function belongsToControl(event) {
   const node = event.target;
@@ -19,25 +18,10 @@ export function nextSpeed(speed, step) {
 export function listen(viewer) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector("dialog[open]")) return;
-    const playing = viewer.canDemonstrate();
     if (belongsToControl(event)) return;
-    const handled = (playing && demonstrate(viewer, event)) || (viewer.canSeek() && seek(viewer, event)) || anyone(viewer, event);
+    const handled = (viewer.canSeek() && seek(viewer, event)) || anyone(viewer, event);
     if (handled) event.preventDefault();
   });
-}
-
-function demonstrate(viewer, event) {
-  const key = event.key.toLowerCase();
-  const known = /^[0-9]$/.test(key) || ARROWS.has(event.key) || [" ", "d", "l", "p", "f"].includes(key);
-  if (!known || event.repeat) return known;
-  if (/^[0-9]$/.test(key)) viewer.press(Number(key));
-  else if (key === " ") viewer.press(0);
-  else if (ARROWS.has(event.key)) viewer.passTowards(event.key);
-  else if (key === "d") viewer.record("drop");
-  else if (key === "l") viewer.record("drop_last");
-  else if (key === "p") viewer.togglePause();
-  else viewer.askToFinish();
-  return true;
 }
 
 function seek(viewer, event) {

@@ -30,7 +30,6 @@ export class Facts {
 
   show(frame, setup) {
     setText($("episode"), setup.keepaway ? (frame.episode ? String(frame.episode) : "under way") : "none: no Keepaway");
-    setText($("duration"), seconds(Math.max(0, frame.time - frame.start)));
     setText($("holder"), frame.holder ? playerName(frame.holder, setup) : "loose");
     setText($("mode"), frame.mode.replaceAll("_", " "));
     setText($("cycle"), String(frame.time));

@@ -7,10 +7,6 @@ const SYMBOLS = { ArrowLeft: "\u2190", ArrowUp: "\u2191", ArrowRight: "\u2192", 
 const radians = (degrees) => degrees * Math.PI / 180;
 const mix = (a, b, t) => a + (b - a) * t;
 
-export function keyText(choice) {
-  return choice.arrow ? `${choice.action} ${SYMBOLS[choice.arrow]}` : `${choice.action}`;
-}
-
 export class Pitch {
   constructor(canvas) {
     this.canvas = canvas;
@@ -22,7 +18,11 @@ export class Pitch {
     this.span = 100;
     this.trail = [];
     this.flash = null;
-    this.playing = false;
+    this.playing = false;   // the person in front of the page decides
+    this.replaying = false; // what is shown has been played
+    this.numbers = true;    // of players; a page on which numbers are keys has no others
+    this.arrows = true;     // arrow keys, beside numbers
+    this.words = { late: "too late" };
     this.pictures = 0;
     this.scale = 1;
     this.still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -69,6 +69,9 @@ export class Pitch {
     if (this.trail.length > TRAIL) this.trail.shift();
   }
 
+  // Begin anew with the next frame.
+  forget() { this.current = this.previous = null; this.trail = []; }
+
   // Show which pass a key asks for, until the next frame tells what became of it.
   light(mate, now) { this.flash = { from: this.current?.keepers?.[0], mate, until: now + 450 }; }
 
@@ -102,12 +105,12 @@ export class Pitch {
     const holder = players.find((p) => p.id === this.current.holder);
     this.drawTrail();
     if (holder) this.circle(holder.x, holder.y, this.setup.reach * this.scale, this.colours.reach);
-    if (this.playing) this.drawPasses(players, now);
+    if (this.playing || this.replaying) this.drawPasses(players, now);
     // Whoever has the ball is on top, then keepers.
     const layer = (player) => (player === holder ? 2 : player.side === "l" ? 1 : 0);
     for (const player of [...players].sort((a, b) => layer(a) - layer(b))) this.drawPlayer(player, player === holder);
     this.drawBall(ball);
-    if (this.playing) this.drawKeys(players, now);
+    if (this.playing || this.replaying) this.drawKeys(players, now);
   }
 
   drawGround() {
@@ -188,8 +191,7 @@ export class Pitch {
     c.font = `600 ${Math.round(1.05 * r)}px system-ui, sans-serif`;
     c.textAlign = "center";
     c.textBaseline = "middle";
-    // While a person plays, the only numbers on keepers' side are those of the keys.
-    if (!(this.playing && player.side === "l")) c.fillText(player.unum, x, y + 0.06 * r);
+    if (this.numbers) c.fillText(player.unum, x, y + 0.06 * r);
   }
 
   drawBall([bx, by]) {
@@ -241,7 +243,7 @@ export class Pitch {
       const to = players.find((p) => p.id === choice.mate);
       if (!to) continue;
       const lapsed = choice.action === current.lapsed, lit = lapsed || this.isLit(choice);
-      const text = lapsed ? "too late" : keyText(choice), bright = lapsed ? this.colours.bad : this.colours.want;
+      const text = lapsed ? this.words.late : this.keyText(choice), bright = lapsed ? this.colours.bad : this.colours.want;
       const width = c.measureText(text).width + size, height = 1.6 * size;
       const away = this.radius() + height * 0.75 + 3 * density;
       const above = this.y(to.y) - away - height / 2 > 2;
@@ -260,6 +262,8 @@ export class Pitch {
     }
     c.globalAlpha = 1;
   }
+
+  keyText(choice) { return choice.arrow && this.arrows ? `${choice.action} ${SYMBOLS[choice.arrow]}` : `${choice.action}`; }
 
   canPlay() { return this.current.mode === "play_on" && this.current.keepers; }
   theirs() { return this.current.holder !== null && this.current.holder === this.current.keepers?.[0]; }

@@ -1,7 +1,6 @@
 // Colours: as the system, light, or dark; remembered where the browser allows it.
 
 const NAMES = { auto: "Theme: auto", light: "Theme: light", dark: "Theme: dark" };
-const SPOKEN = { auto: "as the system", light: "light", dark: "dark" };
 const system = matchMedia("(prefers-color-scheme: dark)");
 
 function stored() {
@@ -9,7 +8,9 @@ function stored() {
 }
 
 export class Theme {
-  constructor(button, changed) {
+  // name: what the button says of a choice.
+  constructor(button, changed, name = (choice) => NAMES[choice]) {
+    this.name = name;
     this.button = button;
     this.changed = changed;
     this.choice = stored() in NAMES ? stored() : "auto";
@@ -28,8 +29,7 @@ export class Theme {
   apply() {
     const dark = this.choice === "dark" || (this.choice === "auto" && system.matches);
     document.documentElement.dataset.theme = dark ? "dark" : "light";
-    this.button.textContent = NAMES[this.choice];
-    this.button.title = `Colours: ${SPOKEN[this.choice]}`;
+    this.button.textContent = this.name(this.choice);
     this.changed();
   }
 }
