@@ -35,7 +35,7 @@ from rcss_hat.system.files import append, write_text
 from rcss_hat.system.locks import InUse, SoleWriter
 
 LOGS, MATCHES, RUNNING = "servers", "servers.jsonl", "running.json"
-MOST_FUTILE = 3
+MOST_FUTILE = 5
 """Servers in a row on which no episode was finished, after which a trial is given up."""
 HERE = "127.0.0.1"
 GLANCE_S, BACK_S = 1.0, 60.0

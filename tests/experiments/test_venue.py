@@ -135,9 +135,9 @@ def test_a_trial_is_given_up_when_no_server_plays(tmp_path: Path, monkeypatch: p
     broken = tmp_path / "rcssserver"
     broken.write_text("#!/bin/sh\necho out of order\nexit 3\n")
     broken.chmod(0o755)
-    with pytest.raises(TrainingError, match=r"initial: no episode was finished on 3 servers in a row: .*out of order"):
+    with pytest.raises(TrainingError, match=r"initial: no episode was finished on 5 servers in a row: .*out of order"):
         run_trial(job(tmp_path / "e", stage="real"), tmp_path / "trial", supply=Supply(str(broken)))
-    assert len(read_matches(tmp_path / "trial")) == 3
+    assert len(read_matches(tmp_path / "trial")) == 5
     monkeypatch.setattr(venues, "BACK_S", 0.0)
     monkeypatch.setattr(venues, "GLANCE_S", 0.05)
     away = Supply(None, ("127.0.0.1:9",), tmp_path / "locks")
