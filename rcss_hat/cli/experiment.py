@@ -6,7 +6,9 @@ import json
 import os
 import shlex
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
     from rcss_hat.experiments.execution import Work
     from rcss_hat.experiments.experiment import Experiment
     from rcss_hat.experiments.venue import Supply
+
+TELL_S, MOST_TOLD = 5.0, 4
+"""Seconds between two words on trials that are being played on servers, and how many of them are named."""
 
 
 def _addresses(context: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...]:
@@ -169,12 +174,45 @@ def _write_report(run: Experiment) -> None:
 
 
 def _run(run: Experiment, runner: Any, hidden: bool) -> None:
-    with progress_bar(run.study.title, run.n_trials, "trials", hidden) as bar:
+    with progress_bar(run.study.title, run.n_trials, "trials", hidden) as bar, _telling(run, bar):
         bar(run.finished)
         for result in run.run(runner):
             done = run.finished
             greedy = f", {result['greedy']['mean_s']:.1f} s" if result["greedy"] else ""
             bar(done, f"{result['condition']} {result['trial']}{greedy}")
+
+
+@contextmanager
+def _telling(run: Experiment, bar: Callable[..., None]) -> Iterator[None]:
+    """Say every few seconds how far trials on servers are: one takes many minutes."""
+    over = threading.Event()
+
+    def tell() -> None:
+        while not over.wait(TELL_S):
+            told = _progress(run)
+            if told:
+                bar(run.finished, told)
+
+    teller = threading.Thread(target=tell, name="progress", daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        over.set()
+        teller.join()
+
+
+def _progress(run: Experiment) -> str:
+    """Name the trials that are being played on servers, with the hours they have learned; a few of them."""
+    from rcss_hat.experiments.episode_log import last_hour
+    from rcss_hat.experiments.training import EPISODES
+    from rcss_hat.experiments.venue import running_matches
+
+    parts = []
+    for name, match in running_matches(run.folder)[:MOST_TOLD]:
+        hour = last_hour(run.folder / "trials" / name / EPISODES) if match.what == "training" else None
+        parts.append(f"{name} {match.what}" if hour is None else f"{name} {hour:.1f} h")
+    return "; ".join(parts)
 
 
 def _summary(run: Experiment, pages: list[Path]) -> dict[str, Any]:

@@ -28,6 +28,8 @@ MAX_CYCLES = 2**30
 """Of an episode."""
 MAX_LOG = 512 * MIB
 """Bytes: more than 10,000 simulated hours."""
+_TAIL = 400
+"""Bytes that hold a row of the log, and the one before it."""
 _TYPES = dict(zip(COLUMNS, ("int64", "int64", "int64", "string", "float64", "float64"), strict=True))
 _LOG = logging.getLogger(__name__)
 
@@ -126,6 +128,19 @@ class EpisodeLog:
                 f"{self.path} has {found} bytes, fewer than the {size} its checkpoint counts: it was changed"
             )
         os.truncate(self.path, size)
+
+
+def last_hour(path: Path) -> float | None:
+    """Return the simulated hour at which the last episode of a log ended, without reading all of it.
+
+    None when there is none: somebody may be writing.
+    """
+    try:
+        with path.open("rb") as file:
+            file.seek(max(0, path.stat().st_size - _TAIL))
+            return float(file.read().rpartition(b"\n")[0].rpartition(b",")[2])
+    except (OSError, ValueError):
+        return None
 
 
 def read_episode_log(path: Path) -> pd.DataFrame:

@@ -49,8 +49,9 @@ class NotRunning(ValueError):
 
 
 class Running(Struct, frozen=True):
-    """What ``running.json`` says: where the match of a trial is."""
+    """What ``running.json`` says: which match of a trial is being played, and where."""
 
+    what: str
     host: str
     port: int
     since: float
@@ -154,7 +155,7 @@ class ServerVenue(Venue):
         """Play a match; see `Venue.play`."""
         futile = 0
         while True:
-            with self._server() as (place, terms):
+            with self._server(what) as (place, terms):
                 report, done = match(place, terms)
                 self._note(what, place, terms, report)
             if done:
@@ -185,9 +186,9 @@ class ServerVenue(Venue):
         }
 
     @contextlib.contextmanager
-    def _server(self) -> Iterator[tuple[Place, Terms]]:
+    def _server(self, what: str) -> Iterator[tuple[Place, Terms]]:
         with self._free_one() if self._supply.addresses else self._new_one() as (place, terms, port):
-            where = Running(place.address[0] if place.address else HERE, port, time.time())
+            where = Running(what, place.address[0] if place.address else HERE, port, time.time())
             write_text(self._folder / RUNNING, msgspec.json.encode(where).decode() + "\n")
             try:
                 yield place, terms
@@ -304,15 +305,19 @@ def running_match(experiment: Path, trial: str = "") -> tuple[str, Place]:
     NotRunning
         When there is none.
     """
-    trials = experiment / "trials"
-    found = []
-    for path in trials.glob(f"*/*/{RUNNING}"):
-        name = path.parent.relative_to(trials).as_posix()
-        if not trial or name == trial or name.startswith(f"{trial}/"):
-            with contextlib.suppress(FileFormatError, OSError):  # it ended just now
-                found.append((read(Running, load_json(read_text(path, "running match")), str(path)), name))
+    found = [e for e in running_matches(experiment) if not trial or e[0] == trial or e[0].startswith(f"{trial}/")]
     if not found:
         which = f"trial {trial} of {experiment}" if trial else f"trial of {experiment}"
         raise NotRunning(f"no {which} is being played on a server")
-    match, name = min(found, key=lambda entry: entry[0].since)
+    name, match = found[0]
     return name, Place.at((match.host, match.port))
+
+
+def running_matches(experiment: Path) -> list[tuple[str, Running]]:
+    """List the trials of an experiment that are being played on servers, with their matches, oldest match first."""
+    trials, found = experiment / "trials", []
+    for path in trials.glob(f"*/*/{RUNNING}"):
+        with contextlib.suppress(FileFormatError, OSError):  # it ended just now
+            match = read(Running, load_json(read_text(path, "running match")), str(path))
+            found.append((path.parent.relative_to(trials).as_posix(), match))
+    return sorted(found, key=lambda entry: entry[1].since)

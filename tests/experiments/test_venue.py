@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,10 @@ from servers_of_trials import signal_servers
 
 from fake_server.options import parse_options
 from fake_server.running import running_server
+from rcss_hat.cli.experiment import _progress
 from rcss_hat.cli.main import cli
 from rcss_hat.experiments import venue as venues
+from rcss_hat.experiments.episode_log import EpisodeLog, last_hour
 from rcss_hat.experiments.execution import run_locally
 from rcss_hat.experiments.experiment import Experiment
 from rcss_hat.experiments.reporting import write_report
@@ -27,13 +30,20 @@ from rcss_hat.experiments.run_folder import TrainingError
 from rcss_hat.experiments.training import TrainingRun
 from rcss_hat.experiments.trial import run_trial
 from rcss_hat.experiments.venue import NotRunning, Supply, read_matches, running_match
-from rcss_hat.keepaway.report import read_kwy
+from rcss_hat.keepaway.report import Episode, read_kwy
 from rcss_hat.keepaway.task import Task
 from rcss_hat.protocol.params import Value
 from rcss_hat.stage.options import server_options
 
 pytestmark = pytest.mark.compiled
 STUDY = Path(__file__).with_name("served.toml")
+
+
+@dataclass
+class Box:
+    """An experiment, as far as what tells of it looks."""
+
+    folder: Path
 
 
 @contextlib.contextmanager
@@ -193,7 +203,9 @@ def test_a_running_trial_is_found_by_name(tmp_path: Path) -> None:
     for name, port in (("a/00", 7000), ("a/01", 7001), ("b/00", 7002)):
         folder = tmp_path / "trials" / name
         folder.mkdir(parents=True)
-        (folder / "running.json").write_text(json.dumps({"host": "127.0.0.1", "port": port, "since": 9.0 - port}))
+        (folder / "running.json").write_text(
+            json.dumps({"what": "training", "host": "127.0.0.1", "port": port, "since": 9.0 - port})
+        )
     assert running_match(tmp_path)[0] == "b/00"
     assert str(running_match(tmp_path, "a")[1]) == "127.0.0.1:7001"
     assert running_match(tmp_path, "a/00")[0] == "a/00"
@@ -202,6 +214,10 @@ def test_a_running_trial_is_found_by_name(tmp_path: Path) -> None:
             running_match(tmp_path, trial)
     (tmp_path / "trials" / "b" / "00" / "running.json").write_text("{")
     assert running_match(tmp_path)[0] == "a/01"
+    EpisodeLog(tmp_path / "trials" / "a" / "01" / "episodes.csv").append([Episode(1, 0, 900, "o")], lambda number: None)
+    (tmp_path / "trials" / "a" / "00" / "episodes.csv").write_text("episode,start\n")
+    assert _progress(Box(tmp_path)) == "a/01 0.0 h; a/00 training"  # type: ignore[arg-type]
+    assert last_hour(tmp_path / "trials" / "a" / "01" / "episodes.csv") == 0.025
 
 
 @pytest.mark.parametrize(
