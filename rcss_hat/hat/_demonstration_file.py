@@ -2,16 +2,16 @@
 
 The header lists the finished episodes with their number of decisions; the table holds these decisions in the same
 order. Lines after them belong to an episode whose end was never recorded, and are not read.
+
+Where a person and a learner took turns, or somebody said afterwards what would have been right, the table has two more
+columns: ``by`` (``person``, ``learner``, or empty: the teacher) and ``right`` (an action, or empty).
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import math
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rcss_hat.inputs import MIB, FileFormatError, excerpt, item, parse_json, read_text, whole
-from rcss_hat.keepaway.decision import Decision, action_name
+from rcss_hat.inputs import FileFormatError, excerpt, item, parse_json, read_text, whole
+from rcss_hat.keepaway.decision import LEARNER, PERSON, Decision, action_name
 from rcss_hat.keepaway.report import OUT, TAKEN, UNKNOWN, Episode
 from rcss_hat.keepaway.state import n_state_variables, state_names
 from rcss_hat.keepaway.task import Task
@@ -33,9 +33,9 @@ REASONS = {OUT: "out", TAKEN: "taken", UNKNOWN: "unknown"}
 MAX_CYCLE = 2**31 - 1
 MAX_VALUE = 1e6
 """Metres or degrees, far beyond any state variable; learning adds and squares them."""
-MAX_TABLE = 256 * MIB
-"""Bytes: a million decisions."""
-_WHOLE = re.compile(r" *[-+]?[0-9]{1,18} *")
+MARKS = ("by", "right")
+"""Columns of a table that is marked."""
+DECIDERS = ("", PERSON, LEARNER)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +54,8 @@ class DemonstrationInfo:
     date : str or None
         ISO 8601.
     notes : str
+    marked : bool
+        The table says who took each decision, and what would have been right.
     """
 
     teacher: str
@@ -63,6 +65,7 @@ class DemonstrationInfo:
     seed: int | None = None
     date: str | None = None
     notes: str = ""
+    marked: bool = False
 
     @property
     def n_variables(self) -> int:
@@ -119,12 +122,19 @@ def check_there(path: str | Path) -> None:
         raise FileFormatError(f"{named}: its {what} {missing.name} is not there; a demonstration is two files")
 
 
-def columns(n_variables: int) -> list[str]:
+def columns(info: DemonstrationInfo) -> list[str]:
     """Columns of the table."""
-    return ["episode", "cycle", "keeper", *(f"s{k}" for k in range(n_variables)), "action"]
+    return [
+        "episode",
+        "cycle",
+        "keeper",
+        *(f"s{k}" for k in range(info.n_variables)),
+        "action",
+        *MARKS[: 2 * info.marked],
+    ]
 
 
-def check_decision(info: DemonstrationInfo, keeper: int, state: Sequence[float], action: int) -> None:
+def check_decision(info: DemonstrationInfo, decision: Decision) -> None:
     """Check one decision against the task.
 
     Raises
@@ -132,7 +142,7 @@ def check_decision(info: DemonstrationInfo, keeper: int, state: Sequence[float],
     ValueError
         Naming what would be right.
     """
-    task = info.task
+    task, keeper, state = info.task, decision.keeper, decision.state
     if not 1 <= keeper <= task.keepers:
         raise ValueError(f"keeper must be a uniform number 1 to {task.keepers} in {task.size}, not {keeper}")
     if len(state) != info.n_variables:
@@ -144,9 +154,14 @@ def check_decision(info: DemonstrationInfo, keeper: int, state: Sequence[float],
             )
         if abs(value) > MAX_VALUE:
             raise ValueError(f"s{index} must be metres or degrees, not {value}")
-    if not 0 <= action < task.keepers:
-        names = ", ".join(f"{k} {action_name(k)}" for k in range(task.keepers))
-        raise ValueError(f"action must be one of {names} in {task.size}, not {action}")
+    for name, action in (("action", decision.action), ("right", decision.right)):
+        if action is not None and not 0 <= action < task.keepers:
+            names = ", ".join(f"{k} {action_name(k)}" for k in range(task.keepers))
+            raise ValueError(f"{name} must be one of {names} in {task.size}, not {action}")
+    if decision.by not in DECIDERS:
+        raise ValueError(f"by must be {PERSON}, {LEARNER} or empty, not {excerpt(decision.by)}")
+    if not info.marked and (decision.by or decision.right is not None):
+        raise ValueError("this demonstration has no columns for who decided and what would have been right")
 
 
 def check_final(info: DemonstrationInfo, episode: Episode) -> None:
@@ -200,6 +215,11 @@ def header_text(info: DemonstrationInfo, entries: Iterable[Entry], table: str) -
         **{f"s{k}": name for k, name in enumerate(info.variable_names)},
         "action": ", ".join(f"{k} = {action_name(k)}" for k in range(task.keepers)),
     }
+    if info.marked:
+        meaning |= {
+            "by": f"who decided: {PERSON}, {LEARNER}, or empty: the teacher",
+            "right": "the action that would have been right, as the teacher said afterwards; empty: nothing was said",
+        }
     content = {
         "format": FORMAT,
         "version": VERSION,
@@ -263,6 +283,7 @@ def _info_from(content: dict[str, Any]) -> DemonstrationInfo:
         item(content, "seed", (int, type(None))) if "seed" in content else None,
         item(content, "date", (str, type(None))) if "date" in content else None,
         item(content, "notes", str) if "notes" in content else "",
+        "columns" in content and all(name in item(content, "columns", dict) for name in MARKS),
     )
 
 
@@ -285,94 +306,3 @@ def _final_from(content: Any, where: str) -> tuple[float, ...]:
     if not all(isinstance(v, int | float) and not isinstance(v, bool) and abs(v) <= MAX_VALUE for v in values):
         raise FileFormatError(f"{where}: 'final' must be numbers, metres or degrees, not {excerpt(values)}")
     return tuple(map(float, values))
-
-
-# --- table ------------------------------------------------------------------------------------------------------
-
-
-def table_head(n_variables: int) -> str:
-    """Write the first line of the table."""
-    return ",".join(columns(n_variables)) + "\n"
-
-
-def table_rows(number: int, decisions: Iterable[Decision]) -> str:
-    """Write the decisions of an episode; numbers exact to the last bit."""
-    return "".join(f"{number},{d.cycle},{d.keeper},{','.join(map(repr, d.state))},{d.action}\n" for d in decisions)
-
-
-def read_table(path: Path, info: DemonstrationInfo, entries: Sequence[Entry]) -> list[list[Decision]]:
-    """Read the decisions of the listed episodes.
-
-    Raises
-    ------
-    FileFormatError
-        Naming file, line, and what would be right.
-    """
-    rows = _rows(path, read_text(path, "table of a demonstration", MAX_TABLE))
-    expected = columns(info.n_variables)
-    _, found = next(rows, (1, []))
-    if found != expected:
-        line = ",".join(found)
-        raise FileFormatError(
-            f"{path}, line 1: the columns of {info.task.size} are {','.join(expected)}; found "
-            f"{line if line.isprintable() and len(line) < 200 else excerpt(line, 200)}"
-        )
-    episodes = []
-    for entry in entries:
-        decisions = []
-        for number in range(1, entry.decisions + 1):
-            row = next(rows, None)
-            if row is None:
-                raise FileFormatError(
-                    f"{path}: ends within episode {entry.episode.number}, before decision {number} of the "
-                    f"{entry.decisions} that its header lists; restore the file, or correct the header"
-                )
-            try:
-                decisions.append(_decision_from(row[1], info, entry))
-            except ValueError as error:
-                raise FileFormatError(f"{path}, line {row[0]}: {error}") from error
-        episodes.append(decisions)
-    return episodes
-
-
-def _rows(path: Path, text: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the rows with the numbers of their lines; a quote that opens must close within its line."""
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-    while True:
-        line = reader.line_num + 1
-        try:
-            cells = next(reader)
-        except StopIteration:
-            return
-        except csv.Error as error:
-            raise FileFormatError(f"{path}, line {line}: {error}; is there a quote too many?") from error
-        if reader.line_num > line:
-            raise FileFormatError(f"{path}, line {line}: a quote opens that does not close in this line")
-        yield line, cells
-
-
-def _decision_from(cells: list[str], info: DemonstrationInfo, entry: Entry) -> Decision:
-    names = columns(info.n_variables)
-    if len(cells) != len(names):
-        raise ValueError(f"expected {len(names)} cells, found {len(cells)}")
-    numbers = dict(zip(names, cells, strict=True))
-    found = _whole(numbers, "episode")
-    if found != entry.episode.number:
-        raise ValueError(f"expected a decision of episode {entry.episode.number}, found episode {found}")
-    state = tuple(_real(numbers, name) for name in names[3:-1])
-    decision = Decision(_whole(numbers, "cycle"), _whole(numbers, "keeper"), state, _whole(numbers, "action"))
-    check_decision(info, decision.keeper, state, decision.action)
-    return decision
-
-
-def _whole(cells: dict[str, str], name: str) -> int:
-    if not _WHOLE.fullmatch(cells[name]):
-        raise ValueError(f"{name} must be a whole number, not {excerpt(cells[name])}")
-    return int(cells[name])
-
-
-def _real(cells: dict[str, str], name: str) -> float:
-    try:
-        return float(cells[name])
-    except ValueError:
-        raise ValueError(f"{name} must be a number, not {excerpt(cells[name])}") from None

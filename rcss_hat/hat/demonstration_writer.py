@@ -20,10 +20,8 @@ from rcss_hat.hat._demonstration_file import (
     file_pair,
     header_text,
     read_header,
-    read_table,
-    table_head,
-    table_rows,
 )
+from rcss_hat.hat._demonstration_table import read_table, table_head, table_rows
 from rcss_hat.inputs import FileFormatError
 from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import Episode
@@ -68,13 +66,21 @@ class DemonstrationWriter:
         self._right = SoleWriter(self.table, folder=False)
         if not self._begun():
             self._write_header(self.entries)  # first: a table of which no header tells is not ours to write over
-            write_text(self.table, table_head(info.n_variables))
+            write_text(self.table, table_head(info))
         elif resume:
             self._take_over()
         else:
             raise FileFormatError(f"{self.table} exists already; go on with it (resume), or choose another name")
 
-    def add(self, cycle: int, keeper: int, state: Sequence[float] | NDArray[np.float64], action: int) -> None:
+    def add(
+        self,
+        cycle: int,
+        keeper: int,
+        state: Sequence[float] | NDArray[np.float64],
+        action: int,
+        by: str = "",
+        right: int | None = None,
+    ) -> None:
         """Record a decision of the running episode.
 
         Parameters
@@ -87,17 +93,21 @@ class DemonstrationWriter:
             The state variables, metres and degrees.
         action : int
             0 = Hold, 1 = PASS1 and so on.
+        by : str
+            Who decided, and
+        right : int, optional
+            what would have been right; only where the demonstration is marked.
 
         Raises
         ------
         ValueError
             When it does not fit the task, or comes before the last decision.
         """
-        numbers = tuple(map(float, state))
-        check_decision(self.info, keeper, numbers, action)
+        decision = Decision(int(cycle), int(keeper), tuple(map(float, state)), int(action), by, right)
+        check_decision(self.info, decision)
         if self._decisions and cycle < self._decisions[-1].cycle:
             raise ValueError(f"cycle {cycle} comes before the last decision's, {self._decisions[-1].cycle}")
-        self._decisions.append(Decision(int(cycle), int(keeper), numbers, int(action)))
+        self._decisions.append(decision)
 
     def end_episode(
         self, start: int, end: int, reason: str, idle: bool = False, final: Sequence[float] | None = None
@@ -134,7 +144,7 @@ class DemonstrationWriter:
         check_episode(episode, [decision.cycle for decision in self._decisions])
         entries = [*self.entries, Entry(episode, self.info.teacher, len(self._decisions), idle)]
         size = self.table.stat().st_size
-        append(self.table, table_rows(number, self._decisions).encode())
+        append(self.table, table_rows(self.info, number, self._decisions).encode())
         try:
             self._write_header(entries)
         except BaseException:
@@ -194,7 +204,7 @@ class DemonstrationWriter:
 
 def _differences(old: DemonstrationInfo, new: DemonstrationInfo) -> Iterator[tuple[str, tuple[object, object]]]:
     """Name what makes episodes of two recordings different in kind, with both values."""
-    for what in ("teacher", "stage", "task", "notes"):
+    for what in ("teacher", "stage", "task", "notes", "marked"):
         if getattr(old, what) != getattr(new, what):
             yield what, (getattr(old, what), getattr(new, what))
     for name in sorted(old.server.keys() & new.server.keys()):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -14,22 +14,20 @@ from rcss_hat.hat._demonstration_file import (
     DemonstrationInfo,
     Entry,
     check_decision,
-    check_episode,
     check_final,
     check_there,
     columns,
     file_pair,
     header_text,
     read_header,
-    read_table,
-    table_head,
-    table_rows,
 )
+from rcss_hat.hat._demonstration_table import read_table, table_head, table_rows
+from rcss_hat.hat.demonstration import Demonstration
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
 from rcss_hat.hat.description import Description, coverage
 from rcss_hat.inputs import FileFormatError
-from rcss_hat.keepaway.decision import Decision
-from rcss_hat.keepaway.report import OUT, UNKNOWN, Episode
+from rcss_hat.keepaway.decision import LEARNER
+from rcss_hat.keepaway.report import OUT, UNKNOWN
 from rcss_hat.system.files import write_text
 
 if TYPE_CHECKING:
@@ -48,104 +46,6 @@ __all__ = [
 PICKS = ("first", "best", "worst", "random")
 """Ways to pick episodes of a set."""
 T = TypeVar("T")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Demonstration:
-    """One demonstrated episode.
-
-    Attributes
-    ----------
-    episode : Episode
-        Number, first and last cycle, how it ended.
-    teacher : str
-    cycles : ndarray of int64, shape (n,)
-        Cycle of each decision.
-    keepers : ndarray of int64, shape (n,)
-        Uniform number of the keeper with the ball.
-    states : ndarray of float64, shape (n, n_variables)
-        Metres and degrees; order of ``rcss_hat.keepaway.state``.
-    actions : ndarray of int64, shape (n,)
-        0 = Hold, 1 = PASS1 and so on.
-    idle : bool
-        A person pressed no key in it.
-
-    Notes
-    -----
-    The arrays are copies that cannot be written to.
-
-    Examples
-    --------
-    >>> import rcss_hat
-    >>> first = rcss_hat.package_demonstrations("A").episodes[0]
-    >>> first.teacher, len(first) == len(first.states)
-    ('A', True)
-    """
-
-    episode: Episode
-    teacher: str
-    cycles: NDArray[np.int64]
-    keepers: NDArray[np.int64]
-    states: NDArray[np.float64]
-    actions: NDArray[np.int64]
-    idle: bool = False
-
-    def __post_init__(self) -> None:
-        for name, kind in (("cycles", np.int64), ("keepers", np.int64), ("states", np.float64), ("actions", np.int64)):
-            array = np.array(getattr(self, name), dtype=kind, order="C")
-            array.flags.writeable = False
-            object.__setattr__(self, name, array)
-        n = len(self.actions)
-        shapes = [array.shape for array in (self.cycles, self.keepers, self.actions)]
-        if self.states.ndim != 2 or len(self.states) != n or any(shape != (n,) for shape in shapes):
-            raise ValueError(
-                f"episode {self.episode.number}: cycles, keepers, actions and the rows of states must be equally many, "
-                f"not {shapes[0]}, {shapes[1]}, {shapes[2]} and {self.states.shape}"
-            )
-        check_episode(self.episode, self.cycles)
-
-    @classmethod
-    def of(
-        cls, episode: Episode, teacher: str, decisions: Sequence[Decision], n_variables: int, idle: bool = False
-    ) -> Demonstration:
-        """Make a demonstration of decisions, given one by one; those of a task have ``n_variables`` state variables."""
-        return cls(
-            episode,
-            teacher,
-            np.array([d.cycle for d in decisions], dtype=np.int64),
-            np.array([d.keeper for d in decisions], dtype=np.int64),
-            np.array([d.state for d in decisions], dtype=np.float64).reshape(-1, n_variables),
-            np.array([d.action for d in decisions], dtype=np.int64),
-            idle,
-        )
-
-    def __len__(self) -> int:
-        """Number of decisions."""
-        return len(self.actions)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Demonstration):
-            return NotImplemented
-        mine, others = ((d.episode, d.episode.final, d.teacher, d.idle) for d in (self, other))
-        return mine == others and all(
-            np.array_equal(getattr(self, name), getattr(other, name))
-            for name in ("cycles", "keepers", "states", "actions")
-        )
-
-    __hash__ = None  # type: ignore[assignment]
-
-    @property
-    def duration(self) -> float:
-        """Duration in seconds of simulated time."""
-        return self.episode.cycles / 10.0
-
-    @property
-    def decisions(self) -> list[Decision]:
-        """The decisions one by one."""
-        return [
-            Decision(int(cycle), int(keeper), tuple(map(float, state)), int(action))
-            for cycle, keeper, state, action in zip(self.cycles, self.keepers, self.states, self.actions, strict=True)
-        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +78,7 @@ class DemonstrationSet:
             check_final(self.info, demonstration.episode)
             for index, decision in enumerate(demonstration.decisions, start=1):
                 try:
-                    check_decision(self.info, decision.keeper, decision.state, decision.action)
+                    check_decision(self.info, decision)
                 except ValueError as error:
                     raise ValueError(f"episode {demonstration.episode.number}, decision {index}: {error}") from error
 
@@ -255,7 +155,18 @@ class DemonstrationSet:
         }
         rows = self.X
         data |= {f"s{k}": rows[:, k] for k in range(self.info.n_variables)}
-        return pd.DataFrame(data | {"action": self.y}, columns=columns(self.info.n_variables))
+        data["action"] = self.y
+        if self.info.marked:
+            data["by"] = [by for d in self.episodes for by in d.by]
+            data["right"] = pd.array([right for d in self.episodes for right in d.right], dtype="Int64")
+        return pd.DataFrame(data, columns=columns(self.info))
+
+    @property
+    def lessons(self) -> DemonstrationSet:
+        """What of it teaches, see `Demonstration.lessons`; the set itself where nothing is marked."""
+        if not self.info.marked:
+            return self
+        return DemonstrationSet(replace(self.info, marked=False), tuple(d.lessons for d in self.episodes))
 
     # --- choosing episodes --------------------------------------------------------------------------------------
 
@@ -316,6 +227,8 @@ class DemonstrationSet:
             np.stack([rows.min(0), rows.mean(0), rows.max(0)]) if len(rows) else np.full((3, rows.shape[1]), np.nan),
             coverage(rows, self.info),
             sum(d.idle for d in self.episodes),
+            sum(by == LEARNER for d in self.episodes for by in d.by),
+            sum(right is not None for d in self.episodes for right in d.right),
         )
 
     # --- files --------------------------------------------------------------------------------------------------
@@ -323,8 +236,8 @@ class DemonstrationSet:
     def save(self, path: str | Path) -> None:
         """Write the table (``x.csv``) and its header (``x.json``)."""
         table, header = file_pair(path)
-        rows = (table_rows(d.episode.number, d.decisions) for d in self.episodes)
-        write_text(table, table_head(self.info.n_variables) + "".join(rows))
+        rows = (table_rows(self.info, d.episode.number, d.decisions) for d in self.episodes)
+        write_text(table, table_head(self.info) + "".join(rows))
         entries = [Entry(d.episode, d.teacher, len(d), d.idle) for d in self.episodes]
         write_text(header, header_text(self.info, entries, table.name))
 
@@ -349,13 +262,13 @@ class DemonstrationSet:
         return cls(info, tuple(episodes))
 
     def to_arff(self, path: str | Path) -> None:
-        """Write all decisions as an ARFF file for Weka; attributes ``state_0`` .. and the nominal ``action``."""
-        names = self.info.variable_names
+        """Write all lessons as an ARFF file for Weka; attributes ``state_0`` .. and the nominal ``action``."""
+        names, taught = self.info.variable_names, self.lessons
         head = [f"% demonstration of {self.info.teacher}, {self.info.task.size}"]
         head += [f"% state_{k} = {name}" for k, name in enumerate(names)]
         head += ["@relation demonstration", *(f"@attribute state_{k} numeric" for k in range(len(names)))]
         head += ["@attribute action {" + ",".join(str(k) for k in range(self.info.task.keepers)) + "}", "@data"]
-        rows = [",".join([*map(repr, map(float, x)), str(a)]) for x, a in zip(self.X, self.y, strict=True)]
+        rows = [",".join([*map(repr, map(float, x)), str(a)]) for x, a in zip(taught.X, taught.y, strict=True)]
         write_text(Path(path), "\n".join(head + rows) + "\n")
 
 
@@ -390,6 +303,7 @@ def combine(sets: Iterable[DemonstrationSet]) -> DemonstrationSet:
         _common([info.seed for info in infos], None),
         _common([info.date for info in infos], None),
         "; ".join(dict.fromkeys(info.notes for info in infos if info.notes)),
+        any(info.marked for info in infos),
     )
     return DemonstrationSet(info, tuple(episodes))
 

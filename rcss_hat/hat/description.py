@@ -31,6 +31,9 @@ class Description:
         Share of ten equal parts of each variable's possible range in the region that hold a decision.
     idle : int
         Episodes in which a person pressed no key.
+    by_learner, corrected : int
+        Decisions that a learner took, where a person took turns with it; decisions of which somebody said afterwards
+        that another would have been right.
     """
 
     info: DemonstrationInfo
@@ -40,6 +43,8 @@ class Description:
     ranges: NDArray[np.float64]
     coverage: NDArray[np.float64]
     idle: int = 0
+    by_learner: int = 0
+    corrected: int = 0
 
     @property
     def action_shares(self) -> NDArray[np.float64]:
@@ -65,6 +70,8 @@ class Description:
         shares = zip(range(len(self.action_counts)), self.action_counts, self.action_shares, strict=True)
         actions = ", ".join(f"{action_name(k)} {n} ({100 * share:.1f} %)" for k, n, share in shares)
         lines.append(f"  {self.action_counts.sum()} decisions: {actions}")
+        if self.by_learner or self.corrected:
+            lines.append(f"  {self.by_learner} of them taken by the learner, {self.corrected} corrected afterwards")
         width = max(map(len, self.info.variable_names))
         lines.append(f"  {'variable':<{width + 11}}{'min':>8}{'mean':>8}{'max':>8}{'covered':>9}")
         for k, name in enumerate(self.info.variable_names):

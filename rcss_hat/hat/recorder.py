@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
 from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import Episode
@@ -24,6 +26,18 @@ class Recorder:
         """Take a decision."""
         self._decisions.append(decision)
 
+    def correct(self, cycle: int, keeper: int, right: int | None) -> bool:
+        """Note what would have been right for a decision, or that it was right; False: there is no such decision."""
+        for k, d in enumerate(self._decisions):
+            if (d.cycle, d.keeper) == (cycle, keeper):
+                self._decisions[k] = replace(d, right=right)
+                return True
+        return False
+
+    def of(self, episode: Episode) -> list[Decision]:
+        """Return the decisions of an episode that is neither taken nor kept yet."""
+        return self._of(episode)
+
     def take(self, episode: Episode) -> list[Decision]:
         """Return the decisions of an episode in order; what was decided before its end is forgotten.
 
@@ -44,7 +58,7 @@ class Recorder:
         if self.writer is not None:
             self.writer.drop_episode()  # what a write that failed has left
             for d in self._of(episode):
-                self.writer.add(d.cycle, d.keeper, d.state, d.action)
+                self.writer.add(d.cycle, d.keeper, d.state, d.action, d.by, d.right)
             self.writer.end_episode(episode.start, episode.end, episode.reason, idle, episode.final)
         self.take(episode)
 

@@ -140,6 +140,7 @@ def summarize(demonstrations: DemonstrationSet, seed: int, learner: RipperClassi
     """
     template = clone(learner) if learner is not None else RipperClassifier()
     template.set_params(random_state=seed)
+    demonstrations = demonstrations.lessons
     X, y = demonstrations.X, demonstrations.y
     if len(y) < template.folds:
         raise ValueError(

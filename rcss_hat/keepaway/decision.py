@@ -36,12 +36,22 @@ class Decision:
         State variables as the keeper perceived them, metres and degrees.
     action : int
         0 = Hold, 1 = PASS1 and so on.
+    by : str
+        Who decided, where several take turns: `PERSON` or `LEARNER`; else empty.
+    right : int or None
+        The action that would have been right, as somebody said afterwards.
     """
 
     cycle: int
     keeper: int
     state: tuple[float, ...]
     action: int
+    by: str = ""
+    right: int | None = None
+
+
+PERSON, LEARNER = "person", "learner"
+"""Who decides where a person and a learner take turns."""
 
 
 def action_name(action: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from rcss_hat.hat.demonstrations import (
     combine,
 )
 from rcss_hat.inputs import FileFormatError
+from rcss_hat.keepaway.decision import Decision
 from rcss_hat.keepaway.report import OUT, TAKEN, UNKNOWN, Episode
 from rcss_hat.keepaway.state import n_state_variables
 from rcss_hat.keepaway.task import Task
@@ -529,3 +531,62 @@ def test_mean_duration_of_nothing(tmp_path: Path) -> None:
 def test_number_of_variables_follows_the_task() -> None:
     task = Task(5, 4, 35.0, 35.0)
     assert DemonstrationInfo("A", "arena", task).n_variables == n_state_variables(5, 4) == 25
+
+
+def turns() -> DemonstrationSet:
+    """A person and a learner who took turns, and what was said of it afterwards."""
+    info = replace(INFO, marked=True)
+    state = tuple(float(k) for k in range(13))
+    decisions = [
+        Decision(0, 1, state, 0, "learner"), Decision(1, 1, state, 1, "learner", 2), Decision(5, 2, state, 0, "person"),
+        Decision(6, 2, state, 0, "person", 1), Decision(7, 2, state, 2, "", 2),
+    ]  # fmt: skip
+    return DemonstrationSet(info, (Demonstration.of(Episode(1, 0, 20, OUT), "A", decisions, 13),))
+
+
+def test_who_decided_and_what_was_right_is_kept(tmp_path: Path) -> None:
+    made = turns()
+    made.save(tmp_path / "x.csv")
+    assert DemonstrationSet.load(tmp_path / "x.csv") == made
+    head, *rows = (tmp_path / "x.csv").read_text().splitlines()
+    assert head.endswith(",action,by,right")
+    assert [row.split(",")[-3:] for row in rows] == [
+        ["0", "learner", ""], ["1", "learner", "2"], ["0", "person", ""], ["0", "person", "1"], ["2", "", "2"],
+    ]  # fmt: skip
+    frame = made.to_frame()
+    assert frame["by"].tolist()[:3] == ["learner", "learner", "person"] and frame["right"].isna().sum() == 2
+    assert "2 of them taken by the learner, 3 corrected afterwards" in made.describe().to_text()
+    writer = DemonstrationWriter(tmp_path / "y.csv", made.info)
+    for d in made.episodes[0].decisions:
+        writer.add(d.cycle, d.keeper, d.state, d.action, d.by, d.right)
+    writer.end_episode(0, 20, OUT)
+    assert DemonstrationSet.load(tmp_path / "y.csv").episodes[0].decisions == made.episodes[0].decisions
+
+
+def test_lessons_are_what_the_person_decided_or_called_right() -> None:
+    made = turns()
+    taught = made.lessons
+    assert (taught.y.tolist(), taught.episodes[0].cycles.tolist()) == ([2, 0, 1, 2], [1, 5, 6, 7])
+    assert not taught.info.marked and taught.lessons is taught
+    assert made.y.tolist() == [0, 1, 0, 0, 2], "what was played stays what was played"
+    both = combine([made, replace(taught, info=INFO)])
+    assert both.info.marked and len(both.lessons.y) == 8
+
+
+@pytest.mark.parametrize(
+    ("marks", "problem"),
+    [(",robot,", "by must be person, learner or empty"), (",person,3", "right must be one of 0 Hold, 1 PASS1"),
+     (",person,x", "right must be a whole number"), (",person", "expected 19 cells, found 18")],
+)  # fmt: skip
+def test_wrong_marks_are_named(tmp_path: Path, marks: str, problem: str) -> None:
+    turns().save(tmp_path / "x.csv")
+    text = (tmp_path / "x.csv").read_text()
+    (tmp_path / "x.csv").write_text(text.replace(",learner,\n", marks + "\n", 1))
+    with pytest.raises(FileFormatError, match=problem):
+        DemonstrationSet.load(tmp_path / "x.csv")
+
+
+def test_marks_need_columns(tmp_path: Path) -> None:
+    writer = DemonstrationWriter(tmp_path / "x.csv", INFO)
+    with pytest.raises(ValueError, match="no columns for who decided"):
+        writer.add(0, 1, [0.0] * 13, 0, "learner")

@@ -21,7 +21,7 @@ from rcss_hat.viewer.pagefiles import languages
 from rcss_hat.viewer.room import Manner
 from rcss_hat.viewer.server import Viewer, serve
 
-from .audience import Stage, end, nobody_decides
+from .audience import PATIENCE, Stage, end, nobody_decides
 from .audience import until as until_here
 from .conftest import OpenPage
 from .test_page import until
@@ -171,7 +171,7 @@ async def test_are_you_still_there(
 ) -> None:
     page = await open_page(viewer.url)
     await started(page, stage)
-    nobody_decides(demonstration)
+    nobody_decides(demonstration, PATIENCE + 1)  # the first comes after the start key
     stage.show(2)
     await until(page, "document.getElementById('question').open")
     assert "Are you still there?" in await page.inner_text("#question") and demonstration.standing
