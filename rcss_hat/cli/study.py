@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import json
 import os
 import signal
 from contextlib import suppress
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from rcss_hat.cli.common import Target, deliver, plain_errors, progress_bar, say
+from rcss_hat.cli.common import Target, deliver, packed, plain_errors, progress_bar, say
 from rcss_hat.system.locks import SoleWriter
 
 if TYPE_CHECKING:
+    from rcss_hat.experiments.experiment import Experiment
+    from rcss_hat.studies.folder import StudyFolder
     from rcss_hat.studies.parts import PeopleStudy
     from rcss_hat.studies.server import StudyServer
 
+MOST_HURRY = 5.0
+"""Times real time that games are played in a rehearsal, at most."""
 Folder = click.Path(exists=True, file_okay=False, path_type=Path)
 
 
@@ -123,7 +129,7 @@ async def _serve(server: StudyServer) -> None:
 @click.option("--participants", type=click.IntRange(1, 10_000), default=None, help="How many.  [default: the study's]")
 @click.option("--out", type=Target(folder=True), required=True, help="The rehearsal's folder, apart from people's.")
 @click.option(
-    "--hurry", type=click.FloatRange(1, 20), default=2.0, show_default=True, help="Times as fast as for people."
+    "--hurry", type=click.FloatRange(1, 20), default=1.0, show_default=True, help="Times as fast as for people."
 )
 @click.option(
     "--jobs", type=click.IntRange(1), default=os.cpu_count() or 1, help="Processes for games.  [default: cores]"
@@ -141,11 +147,116 @@ def rehearse(study_file: str, participants: int | None, out: Path, hurry: float,
     from rcss_hat.studies.rehearsal import rehearse as play
 
     found = _loaded(study_file)
+    fastest = max(c.speed or found.game.speed or 1.0 for c in found.conditions)
+    if hurry > 1.0 and fastest * hurry > MOST_HURRY:
+        raise click.UsageError(
+            f"--hurry: pages show 60 pictures a second, so with games at {fastest:g} times real time it can be "
+            f"{max(MOST_HURRY / fastest, 1.0):g} at most; scripted participants would see less than people do"
+        )
     many = participants or found.participants
     with plain_errors(ValueError, RuntimeError), SoleWriter(out), progress_bar("rehearsal", many, "people") as bar:
         told = asyncio.run(play(found, out, many, jobs, hurry, say, bar))
     games, breaks = sum(t["games"] for t in told), sum(t["breaks"] for t in told)
     deliver(f"{len(told)} participants played {games} games in {out}" + (f"; {breaks} breaks" if breaks else ""))
+
+
+@dataclass(frozen=True)
+class Options:
+    """What ``report`` is told, beside the folder."""
+
+    method: str
+    hours: float
+    trials: int
+    baseline_trials: int
+    learner: str
+    jobs: int
+    no_training: bool
+
+
+@study.command()
+@click.argument("folder", type=Folder)
+@click.option("--out", type=Target(folder=True), default=None, help="Where to.  [default: FOLDER/report]")
+@click.option("--method", default="ppr", show_default=True, help="How learners use demonstrations; see train --help.")
+@click.option("--hours", type=click.FloatRange(0, min_open=True), default=30.0, show_default=True, help="Simulated.")
+@click.option("--trials", type=click.IntRange(1), default=2, show_default=True, help="Per participant and group.")
+@click.option("--baseline-trials", type=click.IntRange(2), default=10, show_default=True, help="Without a teacher.")
+@click.option("--learner", default="paper", show_default=True, metavar="PRESET|FILE", help="Settings of the learners.")
+@click.option("--jobs", type=click.IntRange(1), default=os.cpu_count() or 1, help="Trials at a time.  [default: cores]")
+@click.option("--no-training", is_flag=True, help="Tell only what people did.")
+@packed(Options)
+def report(folder: Path, out: Path | None, options: Options) -> None:
+    """Describe what people demonstrated, train learners on it, and say what holds for people in general.
+
+    The same command goes on after a stop; trained learners are kept in FOLDER/experiment.
+
+    \b
+    Example:
+      rcss-hat study report studies/people
+      rcss-hat study report studies/people --no-training
+    """
+    from rcss_hat.experiments.results import Results
+    from rcss_hat.studies.folder import REPORT, StudyFolder
+    from rcss_hat.studies.report import write_people_report
+
+    with plain_errors(ValueError, RuntimeError):
+        found = StudyFolder(folder)
+        run = None if options.no_training else _trained(found, options)
+        place = out or folder / REPORT
+        pages = write_people_report(found, place, None if run is None else Results(run))
+    deliver("\n".join(map(str, pages)))
+
+
+def _trained(folder: StudyFolder, options: Options) -> Experiment:
+    """Train what is missing."""
+    from rcss_hat.experiments.execution import run_locally
+    from rcss_hat.experiments.experiment import Experiment
+    from rcss_hat.studies.folder import EXPERIMENT
+    from rcss_hat.studies.learning import Training, write_experiment
+
+    training = Training(options.method, options.hours, options.trials, options.baseline_trials, options.learner)
+    path = write_experiment(folder, training)
+    place = folder.path / EXPERIMENT / hashlib.sha256(path.read_bytes()).hexdigest()[:12]
+    run = Experiment.create(str(path), place)
+    with progress_bar("demonstration sets", len(run.used_sets()), "sets") as bar:
+        run.prepare_sets(options.jobs, lambda ready, _: bar(ready))
+    done = run.finished
+    with progress_bar("learners", run.n_trials, "trials") as bar:
+        bar(done)
+        for _ in run.run(lambda work: run_locally(work, options.jobs, say=say)):
+            done += 1
+            bar(done)
+    return run
+
+
+@study.command()
+@click.argument("folder", type=Folder)
+@click.option(
+    "--participants", "sizes", type=click.IntRange(2, 10_000), multiple=True, help="Per condition; repeatable."
+)
+@click.option("--games", type=click.IntRange(1), default=None, help="Of each participant.  [default: as in FOLDER]")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
+def power(folder: Path, sizes: tuple[int, ...], games: int | None, as_json: bool) -> None:
+    """Say how many participants a study needs, from a rehearsal or a pilot, by simulation.
+
+    Power is the share of studies that would find the difference between two conditions (p < 0.05), if differences and
+    variances were those of FOLDER.
+
+    \b
+    Example:
+      rcss-hat study power studies/rehearsal --participants 8 --participants 20 --games 20
+    """
+    from rcss_hat.studies.folder import StudyFolder
+    from rcss_hat.studies.report import SIZES, powers_of
+
+    with plain_errors(ValueError):
+        found = powers_of(StudyFolder(folder), sizes or SIZES, games)
+    if as_json:
+        deliver(json.dumps([asdict(p) for p in found]))
+        return
+    lines = [
+        f"{p.first} - {p.second}: {p.difference:+.2f} s, {p.participants} each: power {p.power:.2f}" for p in found
+    ]
+    deliver("\n".join(lines))
 
 
 @study.command()

@@ -88,6 +88,8 @@ class Pool:
         for worker in filter(None, self._workers):
             with contextlib.suppress(ProcessLookupError):
                 worker.process.kill()
+        if self._keepers:
+            await asyncio.wait(self._keepers, timeout=FAREWELL)  # each sees its process end
         for keeper in self._keepers:
             keeper.cancel()
         await asyncio.gather(*self._keepers, return_exceptions=True)

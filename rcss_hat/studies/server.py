@@ -275,7 +275,7 @@ class StudyServer:
             return _html(self.pages.step(Progress(plan_of(self.folder.study, place)), ""))
         participant.heard()
         if participant.progress.current.game is not None:
-            content, kind = self._files["index.html"]
+            content, kind = self._files["play.html"]
             return web.Response(body=content, content_type=kind, charset="utf-8")
         await participant.begin_step()
         return _html(self.pages.step(participant.progress, participant.about["code"]))

@@ -14,9 +14,16 @@ from typing import Any
 
 import msgspec
 
+from rcss_hat.hat.policy import python_policy
+from rcss_hat.keepaway.task import Task
+from rcss_hat.stage.place import ARENA, Place
+from rcss_hat.stage.stages import Part, open_stage
 from rcss_hat.studies.spec import Close, Enter, GameSpec, Hear, Leave, Longer, Open, Order
 from rcss_hat.studies.table import Table
 from rcss_hat.viewer.browser import Browser
+from rcss_hat.viewer.frames import Setup
+from rcss_hat.viewer.narrator import make_frame
+from rcss_hat.viewer.stage_reel import snapshot_of
 
 MAX_LINE = 2**20
 """Bytes of an order."""
@@ -97,6 +104,17 @@ class Worker:
         return deliver
 
 
+def _warm_up() -> None:
+    """Compile or load everything that a game needs, so that nobody's pictures stop when somebody else begins."""
+    task = Task()
+    policy = python_policy(lambda state, info: 0, task.keepers, task.takers, "person")
+    setup, frames = Setup.from_params("", task.params()), list[Any]()
+    with open_stage(Place(ARENA), task, 0, policy) as stage:
+        stage.play(Part(None, 60, lambda episodes, cycle: None, lambda decision: None, frames.append))
+    for frame in frames:
+        json.dumps(make_frame(snapshot_of(frame), setup, 0, 0))
+
+
 async def _quietly(browser: Browser) -> None:
     try:
         await browser.send()
@@ -114,9 +132,7 @@ async def main() -> None:
     await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(lines), sys.stdin.buffer)
     transport, protocol = await loop.connect_write_pipe(asyncio.streams.FlowControlMixin, answers)
     out = asyncio.StreamWriter(transport, protocol, None, loop)
-    from rcss_hat.arena.match import prepare
-
-    await asyncio.to_thread(prepare)
+    await asyncio.to_thread(_warm_up)
     out.write(b"R\n")
     await Worker(out).obey(lines)
 

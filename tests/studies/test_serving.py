@@ -106,6 +106,7 @@ async def test_a_second_tab_takes_over_and_the_first_one_is_closed(
             pass
     assert (last.type, last.data) == (aiohttp.WSMsgType.CLOSE, 4001)
     await second.close()
+    await until(server.participants[6]._inbox.empty)
     states = [e["state"] for e in people_of(server.folder.path)["p006"].events if e["event"] == "page"]
     assert states[:3] == ["opened", "replaced", "opened"]
 

@@ -1,10 +1,12 @@
 // The connection to the program that serves the page; comes back by itself. Addresses are relative: a proxy may stand between.
 
+const REPLACED = 4001; // the code with which such a page is closed
 const FIRST_MS = 500, LONGEST_MS = 5000;
 const here = location.href.split(/[?#]/)[0];
 
 export class Link {
-  // take: gets every message; changed: told "on", "off" (trying again) or "gone" (this address is no longer valid).
+  // take: gets every message; changed: told "on", "off" (trying again), "gone" (this address is no longer valid) or "replaced"
+  // (somebody has opened another page of the same place; to come back by itself would throw that one out).
   constructor(take, changed) {
     this.take = take;
     this.changed = changed;
@@ -21,8 +23,9 @@ export class Link {
     let opened = false;
     socket.addEventListener("open", () => { opened = true; this.pause = FIRST_MS; this.changed("on"); });
     socket.addEventListener("message", (event) => this.take(JSON.parse(event.data)));
-    socket.addEventListener("close", () => {
+    socket.addEventListener("close", (event) => {
       if (this.over || socket !== this.socket) return;
+      if (event.code === REPLACED) { this.end(); this.changed("replaced"); return; }
       this.changed("off");
       this.timer = setTimeout(() => (opened ? this.connect() : this.look()), this.pause);
       this.pause = Math.min(2 * this.pause, LONGEST_MS);

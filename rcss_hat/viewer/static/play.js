@@ -135,6 +135,7 @@ class Viewer {
     const { status, texts } = this, node = $("standstill");
     let text = "";
     if (this.over) text = "";
+    else if (this.connected === "replaced") text = texts.say("replaced");
     else if (this.connected === "gone") text = texts.say("link_needed");
     else if (this.connected === "off" && this.setup) text = texts.say("reconnecting");
     else if (status?.standing && !status.finished && !status.replaying && !document.querySelector("dialog[open]")) {
