@@ -79,7 +79,8 @@ class Options:
 def experiment(study: str, options: Options) -> None:
     """Run the trials of an experiment, in parallel and resumable, and write its report.
 
-    STUDY is a study of the package (paper, methods, real, size-4v3, sets, rounds) or a TOML file of the same form.
+    STUDY is a study of the package (paper, methods, real, size-4v3, sets, rounds), a TOML file of the same form, or the
+    folder of a study with people: one condition per participant, per group, of the best games and of all together.
     The same command goes on after a stop, and only redraws the report when everything has been run.
 
     On servers every trial starts its own; one that dies or hangs is replaced, and the trial goes on where it was.
@@ -102,6 +103,7 @@ def experiment(study: str, options: Options) -> None:
         import rcss_hat.experiments.reporting  # noqa: F401 (what it lacks is said now, not after hours of work)
 
     folder = options.out or Path("results") / Path(study).stem
+    study = _of_people(study)
     processes = options.jobs or len(options.servers) or os.cpu_count() or 1
     if options.dask and options.servers:
         raise click.UsageError("--servers cannot be given with --dask: its workers start their own servers")
@@ -157,6 +159,19 @@ def _supply(run: Experiment, options: Options) -> Supply:
             f"no executable {options.executable or 'rcssserver'!r} was found; give --executable PATH, or --on fake"
         )
     return Supply(options.executable, options.servers, run.folder / "servers")
+
+
+def _of_people(study: str) -> str:
+    """Return the file of the experiment that belongs to the folder of a study with people; else what was given."""
+    from rcss_hat.inputs import FileFormatError
+
+    if not (Path(study) / "study-1.json").is_file():
+        return study
+    from rcss_hat.studies.folder import StudyFolder
+    from rcss_hat.studies.learning import Training, write_experiment
+
+    with plain_errors(FileFormatError):
+        return str(write_experiment(StudyFolder(Path(study)), Training()))
 
 
 def _report_of(run: Experiment) -> tuple[Path, list[Path]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from viewer.conftest import chromium as chromium
 
 from rcss_hat.studies.parts import PeopleStudy
 from rcss_hat.studies.people_file import load_people
