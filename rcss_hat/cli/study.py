@@ -75,7 +75,9 @@ def check(study_file: str) -> None:
 @study.command()
 @click.argument("study_file", metavar="STUDY")
 @click.option("--out", type=Target(folder=True), required=True, help="The study's folder; one that was begun goes on.")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the pages; 0: any.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=0, help="Of the pages; 0: that of the last time, or any."
+)
 @click.option("--bind", default="127.0.0.1", show_default=True, help="Interface to listen on.")
 @click.option("--public-url", default="", help="Address behind a reverse proxy, with its path: https://lab.org/hat/")
 @click.option(
@@ -92,11 +94,12 @@ def serve(study_file: str, out: Path, port: int, bind: str, public_url: str, job
       rcss-hat study serve people --out studies/people --port 8000 --public-url https://lab.example.org/hat/
     """
     from rcss_hat.studies.folder import StudyFolder
+    from rcss_hat.studies.links import last_port
     from rcss_hat.studies.server import Address, StudyServer
 
     found = _loaded(study_file)
     try:
-        address = Address(bind, port, public_url)
+        address = Address(bind, port or last_port(out), public_url)
     except ValueError as problem:
         raise click.UsageError(str(problem)) from problem
     with plain_errors(ValueError, RuntimeError), SoleWriter(out):
@@ -112,7 +115,8 @@ async def _serve(server: StudyServer) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
-        loop.add_signal_handler(number, stopped.set)
+        with suppress(NotImplementedError):  # Windows interrupts instead
+            loop.add_signal_handler(number, stopped.set)
     say("Starting ...")
     async with server:
         written = write_links(server)

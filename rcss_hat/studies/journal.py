@@ -59,8 +59,7 @@ EVENTS: dict[str, dict[str, str]] = {
         "cycle": "Cycle in which it did.",
         "from_ms": "When it stopped.",
         "why": "`start`: not begun, `away`: no page open, `hidden`: page not in sight or behind a dialog, "
-        "`asked`: whether "
-        "anybody is there, `paused`, `disk`: a game could not be saved.",
+        "`asked`: whether anybody is there.",
     },
     "page": {
         "state": "`opened`, `closed` (also when the network broke), or `replaced` by a newer one.",
@@ -74,7 +73,7 @@ EVENTS: dict[str, dict[str, str]] = {
     },
     "command": {
         "step": "Step of the games.",
-        "value": "What was pressed beside passes, such as `start`, `here`, `pause`.",
+        "value": "What was pressed beside passes: `start`, `here`, or `stop` where practice may be ended.",
     },
     "lag": {
         "step": "Step of the games.",

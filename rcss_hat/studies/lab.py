@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from aiohttp import web
 
 from rcss_hat.inputs import FileFormatError
+from rcss_hat.studies.folder import EXPERIMENT
 from rcss_hat.studies.pages import HEADERS, lab_page
 from rcss_hat.studies.participant import Participant
 from rcss_hat.studies.plan import assigned, participant_name
@@ -118,7 +119,7 @@ class Lab:
 
 
 def pack(folder: Path, target: Path) -> None:
-    """Pack what is kept in a study's folder, without the links and what is hidden."""
+    """Pack what is kept in a study's folder, without the links, learners and what is hidden."""
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as packed:
         for file in _data_files(folder):
             packed.write(file, file.relative_to(folder))
@@ -127,7 +128,11 @@ def pack(folder: Path, target: Path) -> None:
 def _data_files(folder: Path) -> Iterator[Path]:
     for file in sorted(folder.rglob("*")):
         parts = file.relative_to(folder).parts
-        if file.is_file() and parts[0] != SECRET_FOLDER and not any(part.startswith(".") for part in parts):
+        if (
+            file.is_file()
+            and parts[0] not in (SECRET_FOLDER, EXPERIMENT)
+            and not any(part.startswith(".") for part in parts)
+        ):
             yield file
 
 

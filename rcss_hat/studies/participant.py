@@ -24,8 +24,8 @@ RETRY = 2.0
 """Seconds between two tries to write an event where the disk is full."""
 MAX_LOOKS = 10_000
 """Remarks of pages of text since the server was started; what comes on top is not kept."""
-REOPEN = 1.0
-"""Seconds before a game is begun again whose worker has ended."""
+REOPEN, LONGEST = 1.0, 60.0
+"""Seconds before a game is begun again whose worker has ended: at first, and where that goes on, at most."""
 
 
 class Page(Protocol):
@@ -84,7 +84,7 @@ class Participant:
         self._clock = Clock(utc_seconds(self.about["begun"]), events[-1]["ms"] if events else 0)
         self.trouble, self.seen = "", 0.0
         self.lag = (0, 0, 0)
-        self._looks = 0
+        self._looks = self._failures = 0
         self._pages: dict[int, Page] = {}
         self._pool: Pool | None = None
         self._playing: str | None = None
@@ -246,6 +246,13 @@ class Participant:
         if self._pool is not None:
             self._pool.leave(self.name, page.number)
 
+    async def put_away(self, patience: float = 20.0) -> None:
+        """Wait until no game of his is played in a worker."""
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(patience):
+                while self._playing is not None:
+                    await asyncio.sleep(0.05)
+
     def _send_on(self) -> None:
         for page in list(self._pages.values()):
             page.go_on()
@@ -310,6 +317,8 @@ class Participant:
             self._playing = None
             self._soon(self._over(event["step"], event["finished"]))
             return
+        if event["event"] == "game":
+            self._failures = 0
         if event["event"] == "lag":
             pictures, late, worst = self.lag
             self.lag = pictures + event["pictures"], late + event["late"], max(worst, event["worst_ms"])
@@ -324,7 +333,8 @@ class Participant:
             self._soon(self._reopen())
 
     async def _reopen(self) -> None:
-        await asyncio.sleep(REOPEN)
+        await asyncio.sleep(min(REOPEN * 2.0**self._failures, LONGEST))
+        self._failures += 1
         if self._pages and self._playing is None:
             await self._play()
             self._enter_all()

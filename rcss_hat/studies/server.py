@@ -98,6 +98,8 @@ class StudyServer:
     ----------
     url : str
         Public address of the study, ending in a slash.
+    port : int
+        Where it listens.
     links : Links
     participants : dict of int to Participant
         By place, those who have begun.
@@ -109,7 +111,7 @@ class StudyServer:
         self, folder: StudyFolder, address: Address, jobs: int, say: Callable[[str], None], hurry: float = 1.0
     ) -> None:
         self.folder, self.address, self.say = folder, address, say
-        self.url = ""
+        self.url, self.port = "", 0
         self.links: Links = folder.links()
         self.participants: dict[int, Participant] = {}
         self.pages = Pages(folder.study)
@@ -142,7 +144,7 @@ class StudyServer:
         await self.pool.start()
         door = Door(self._app())
         port = await door.open(self.address.bind, self.address.port)
-        self._door = door
+        self._door, self.port = door, port
         parts = urlsplit(self.address.public)
         self._names |= {name for name in (parts.hostname, self.address.bind) if name}
         self.url = self.address.public.rstrip("/") + "/" if self.address.public else f"http://{self._host(port)}/"
@@ -400,6 +402,7 @@ class StudyServer:
         participant = self.participants.pop(place, None)
         if participant is not None:
             await participant.stop()
+            await participant.put_away()
             await participant.close()
         self.folder.remove(participant_name(place))
         self.removed = self.folder.removed()

@@ -116,7 +116,8 @@ class Table:
         self._closed = False
         keys = KeyChannel(spec.actions)
         keys.on_fate = self._became
-        commands = ("start", "here", "pause", "resume", *(("stop",) if spec.may_end else ()))
+        # A pause would let people choose which games count; who looks away stops the game, and it counts.
+        commands = ("start", "here", *(("stop",) if spec.may_end else ()))
         self._keys, self._commands = keys, commands
         self._demonstrator: Demonstrator | None = None
         self._room: WatchedRoom | None = None
@@ -141,7 +142,7 @@ class Table:
         self._emit(MATCH_OVER, finished=finished)
 
     def _terms(self) -> Terms:
-        missing = self._games - (0 if self._writer is not None else self._played)
+        missing = self._games - (0 if self._writer is not None else self.spec.played)
         return Terms(
             episodes=missing, start=True, at_once=True, speed=self.spec.speed * self.spec.hurry, commands=self._commands
         )
@@ -301,10 +302,7 @@ class Table:
         d = self._demonstrator
         if d is None or d.finished:
             return None
-        reasons = (
-            ("away", d.away), ("start", not d.started), ("asked", d.asking), ("hidden", not d.looking),
-            ("paused", d.paused),
-        )  # fmt: skip
+        reasons = ("away", d.away), ("start", not d.started), ("asked", d.asking), ("hidden", not d.looking)
         return next((name for name, holds in reasons if holds), None)
 
     async def _watch(self, demonstrator: Demonstrator) -> None:
