@@ -164,10 +164,13 @@ def rank_correlation(x: ArrayLike, y: ArrayLike, seed: int = 0) -> tuple[float, 
     a, b = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if len(a) < 4:
         raise ValueError("a correlation needs four participants")
+    r = _spearman(a, b)
+    if math.isnan(r):
+        return r, r, r
     rng = np.random.default_rng(seed)
     drawn = [_spearman(a[rows], b[rows]) for rows in (rng.integers(len(a), size=len(a)) for _ in range(RESAMPLES // 5))]
     low, high = np.nanquantile(drawn, [0.025, 0.975])
-    return _spearman(a, b), float(low), float(high)
+    return r, float(low), float(high)
 
 
 def _spearman(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
