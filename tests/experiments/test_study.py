@@ -222,7 +222,7 @@ def test_other_numbers_have_the_same_limits() -> None:
     ("names", "n", "digest"),
     [
         (("methods", "paper", "rounds", "sets", "size-4v3"), 530, "1af24fe4c4631c0b"),
-        (("real",), 52, "a417104149c31474"),
+        (("real",), 60, "c5e69afd9b72e017"),
     ],
 )
 def test_settings_and_seeds_of_trials_stay_those_of_finished_ones(names: tuple[str, ...], n: int, digest: str) -> None:
