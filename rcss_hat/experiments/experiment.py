@@ -14,22 +14,19 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 from msgspec import Struct
 
-from rcss_hat.experiments.episode_log import EpisodeLogError, read_episode_log
 from rcss_hat.experiments.execution import Runner
 from rcss_hat.experiments.run_folder import TrainingError, machine, versions
 from rcss_hat.experiments.sets import PreparedSet, SetStore, fingerprint
 from rcss_hat.experiments.study import Condition, Study, StudyError
 from rcss_hat.experiments.study_file import load_study, parse_study, study_text
 from rcss_hat.experiments.study_parts import Trials
-from rcss_hat.experiments.training import EPISODES
 from rcss_hat.experiments.trial import RESULT, Job, read_result
+from rcss_hat.experiments.trial_records import TrialRecord, read_trial
 from rcss_hat.inputs import FileFormatError
 from rcss_hat.schema import read
 from rcss_hat.system.files import write_text
@@ -60,22 +57,6 @@ class Asked(Struct, frozen=True):
     machine: dict[str, Any]
     learner: str | None = None
     stage: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class TrialRecord:
-    """A finished trial.
-
-    Attributes
-    ----------
-    result : dict
-        Of `rcss_hat.experiments.trial.run_trial`.
-    log : DataFrame or None
-        Episode log; None when the condition does not learn.
-    """
-
-    result: dict[str, Any]
-    log: pd.DataFrame | None
 
 
 class Experiment:
@@ -342,28 +323,11 @@ class Experiment:
     # -- results -----------------------------------------------------------------------------------------------------
     def trials(self, condition: str) -> list[TrialRecord]:
         """Read the finished trials of a condition, in order."""
-        records = []
-        for trial in self._ended(self.study.conditions[condition]):
-            folder = self.trial_folder(condition, trial)
-            result = read_result(folder)
-            if result is not None:
-                log = _whole_log(folder / EPISODES, result) if (folder / EPISODES).exists() else None
-                records.append(TrialRecord(result, log))
-        return records
+        ended = self._ended(self.study.conditions[condition])
+        return [record for trial in ended if (record := read_trial(self.trial_folder(condition, trial))) is not None]
 
     def _write_info(self) -> None:
         write_text(self.folder / INFO, json.dumps(self.info, indent=1) + "\n")
-
-
-def _whole_log(path: Path, result: dict[str, Any]) -> pd.DataFrame:
-    """Read the log of a finished trial, which must have all of its episodes."""
-    try:
-        log = read_episode_log(path)
-    except EpisodeLogError as problem:
-        raise ExperimentError(str(problem)) from problem
-    if len(log) != result.get("episodes", len(log)):
-        raise ExperimentError(f"{path} has {len(log)} episodes, the result beside it {result['episodes']}")
-    return log
 
 
 def _as_asked(study: Study, info: dict[str, Any]) -> Study:

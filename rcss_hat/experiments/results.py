@@ -13,9 +13,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from rcss_hat.experiments import metrics
-from rcss_hat.experiments.experiment import Experiment, TrialRecord
+from rcss_hat.experiments.experiment import Experiment
 from rcss_hat.experiments.statistics import Comparison, compare, compare_with_number, comparison_table
 from rcss_hat.experiments.study_parts import Claim, ClaimTest
+from rcss_hat.experiments.trial_records import TrialRecord
 
 MEASURES = {
     "jumpstart": "Jumpstart",
