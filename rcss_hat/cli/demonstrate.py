@@ -54,6 +54,8 @@ class Options:
     speed: float
     port: int
     open_browser: bool
+    keepers: str | None
+    correct: bool
     plain: bool
     language: str | None
     public_url: str | None
@@ -89,6 +91,8 @@ class Options:
 )
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the page; 0: any.")
 @click.option("--open/--no-open", "open_browser", default=True, help="Open the page by itself.")
+@click.option("--keepers", default=None, help=f"Browser: who plays until you take over: {POLICIES}")
+@click.option("--correct", is_flag=True, help="Browser, arena: look at each episode again, and say what was right.")
 @click.option("--plain", is_flag=True, help="The page shows no state variables and values; for studies.")
 @click.option("--language", default=None, help="Of the page: en, de.  [default: the browser's]")
 @click.option("--public-url", default=None, help="Under which a reverse proxy shows the page.")
@@ -109,6 +113,7 @@ def demonstrate(task: Task, place: Place | None, options: Options) -> None:
     Example:
       rcss-hat demonstrate --on fake --teacher hand --episodes 20 --seed 1 --out demo.csv
       rcss-hat demonstrate --browser --episodes 20 --out mine.csv
+      rcss-hat demonstrate --browser --keepers runs/ppr --correct --out taught.csv
       rcss-hat demonstrate --browser --on fake --speed 5 --out fast.csv
       rcss-hat demonstrate --browser --on localhost:6000 --actions hold,pass1 --out mine.csv
       rcss-hat summarize demo.csv --out rules.json
@@ -154,7 +159,7 @@ def _lesson(task: Task, place: Place, options: Options) -> Lesson:
 
     if options.speed != 1.0 and not options.person:
         raise click.UsageError("--speed is for people: give it with --browser or --terminal")
-    _check_page(options)
+    _check_page(options, place)
     scripted = next((style for style in STYLES if style.lower() == options.teacher.lower()), None)
     try:
         allowed = parse_actions(options.actions, task.keepers)
@@ -166,16 +171,26 @@ def _lesson(task: Task, place: Place, options: Options) -> Lesson:
     pace = server_pace(place, options.speed) if options.person else {}
     terms = Terms(said_by_file(typed_settings()), say, pace=pace)
     in_force = {} if place.address else {**task.server_values(), **pace}
-    notes = f"played {options.speed:g} times as fast as real time" if options.speed != 1.0 else ""
+    remarks = [f"played {options.speed:g} times as fast as real time"] if options.speed != 1.0 else []
+    if options.keepers is not None:
+        named_policy(options.keepers, task, seed, "--keepers")
+        remarks.append(f"taking turns with {options.keepers}")
+    if options.correct:
+        remarks.append("corrected after each episode")
     name, today = "person" if options.person else options.teacher, datetime.date.today().isoformat()
-    info = DemonstrationInfo(name, str(place), task, in_force, seed, today, notes)
+    marked = options.keepers is not None or options.correct
+    info = DemonstrationInfo(name, str(place), task, in_force, seed, today, "; ".join(remarks), marked)
     return Lesson(task, place, options, info, terms, allowed, None if options.person else scripted)
 
 
-def _check_page(options: Options) -> None:
+def _check_page(options: Options, place: Place) -> None:
     """Check what is asked of the page."""
     from rcss_hat.viewer.pagefiles import languages, public_origin
 
+    if (options.keepers or options.correct) and not options.browser:
+        raise click.UsageError("--keepers and --correct are for the page: give them with --browser")
+    if options.correct and place.name != ARENA:
+        raise click.UsageError("--correct needs a game that stands still meanwhile: --on arena")
     if options.language is not None and options.language not in languages():
         raise click.BadParameter(f"there are {', '.join(languages())}", param_hint="--language")
     if options.public_url is not None:
@@ -213,10 +228,12 @@ class Lesson:
         from rcss_hat.viewer.demonstrator import Demonstrator
         from rcss_hat.viewer.demonstrator import Terms as PersonTerms
         from rcss_hat.viewer.room import Manner
+        from rcss_hat.viewer.turns import Companion
 
         o = self.options
-        terms = PersonTerms(o.episodes, start=True, speed=o.speed)
-        demonstrator = Demonstrator(KeyChannel(self.allowed), writer, terms)
+        terms = PersonTerms(o.episodes, start=True, speed=o.speed, correct=o.correct)
+        learner = None if o.keepers is None else Companion(named_policy(o.keepers, self.task, seed, "--keepers"))
+        demonstrator = Demonstrator(KeyChannel(self.allowed), writer, terms, learner)
         policy = python_policy(demonstrator.answer, self.task.keepers, self.task.takers, "person")
         with self._stage(seed, policy) as stage, _early_end(stage.report):
             manner = Manner(o.plain, o.language)

@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.hat.recorder import Recorder
-from rcss_hat.keepaway.decision import Decision, action_name
+from rcss_hat.keepaway.decision import LEARNER, PERSON, Decision, action_name
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.viewer.controls import HOLD, KeyChannel
 from rcss_hat.viewer.frames import Frame
 from rcss_hat.viewer.narrator import Insight
 from rcss_hat.viewer.protocol import COMMANDS
+from rcss_hat.viewer.replay import Film
 from rcss_hat.viewer.shelf import Shelf
 
 if TYPE_CHECKING:
     from rcss_hat.hat.demonstration_writer import DemonstrationWriter
+    from rcss_hat.viewer.turns import Companion
 
 
 IDLE_S = 8.0
@@ -42,6 +44,8 @@ class Terms:
         Episodes are written as soon as they have ended, and cannot be dropped.
     speed : float
         Times real time: how long a decision is, for idleness.
+    correct : bool
+        After each episode the person looks at it again, and says what would have been right.
     commands : tuple of str
         What the person may do beside playing; of `rcss_hat.viewer.protocol.COMMANDS`.
     """
@@ -50,6 +54,7 @@ class Terms:
     start: bool = False
     at_once: bool = False
     speed: float = 1.0
+    correct: bool = False
     commands: tuple[str, ...] = COMMANDS
 
 
@@ -67,6 +72,9 @@ class Demonstrator:
         Where episodes go; without one the person only practises.
     terms : Terms or int, optional
         An int is how many episodes are to be kept.
+    learner : Companion, optional
+        Plays until the person takes over, and when he gives back. With a learner, and where episodes are corrected, a
+        recorder's demonstration must be a marked one.
 
     Attributes
     ----------
@@ -84,6 +92,10 @@ class Demonstrator:
         Whether the game can stand still; set by whoever runs it.
     asking : bool
         The person is asked whether he is there, and has not answered.
+    replaying : bool
+        An episode is looked at again.
+    by : str
+        Whose turn it is: `PERSON` or `LEARNER`.
     on_arrival : callable or None
         Called whenever the person comes, if he has started; and when he starts.
     on_kept : callable or None
@@ -93,15 +105,20 @@ class Demonstrator:
     """
 
     def __init__(
-        self, keys: KeyChannel, recorder: DemonstrationWriter | None = None, terms: Terms | int | None = None
+        self,
+        keys: KeyChannel,
+        recorder: DemonstrationWriter | None = None,
+        terms: Terms | int | None = None,
+        learner: Companion | None = None,
     ) -> None:
-        self.keys, self.recorder = keys, recorder
+        self.keys, self.recorder, self.learner = keys, recorder, learner
         self.terms = terms if isinstance(terms, Terms) else Terms(terms)
         self.insight = Insight()
         self.started = not self.terms.start
         self.finished = False
         self.on_finished: Callable[[], None] | None = None
-        self.away, self.looking, self.asking = False, True, False
+        self.away, self.looking, self.asking, self.replaying = False, True, False, False
+        self.by = PERSON if learner is None else LEARNER
         self.on_arrival: Callable[[], None] | None = None
         self.on_kept: Callable[[Episode], None] | None = None
         self.on_replay: Callable[[Mapping[str, Any] | None], None] | None = None
@@ -111,12 +128,15 @@ class Demonstrator:
         self._closed = False
         self._before = 0 if recorder is None else len(recorder.entries)
         self._recording = Recorder(recorder)
-        self._shelf = Shelf(self._recording, self.terms.at_once)
+        self._shelf = Shelf(self._recording, self.terms.at_once and not self.terms.correct)
+        self._film: Film | None = Film() if self.terms.correct else None
+        self._looked_at: dict[int, dict[str, Any]] = {}  # decisions of the episode looked at again, by cycle
+        self._deciders: dict[tuple[int, int], str] = {}  # cycle and keeper -> who decided
         self._drop_running = False
         self._spoiled = False  # the running episode was paused, or played with nobody there
         self._signs_before = 0  # of life, when the running episode began
         self._signs_seen = 0  # when the last decision was taken
-        self._idle_decisions = 0
+        self._idle_decisions = self._own_decisions = 0
         self._commands = 0
 
     # -- towards the stage --------------------------------------------------------------------------------------------
@@ -125,6 +145,12 @@ class Demonstrator:
         self._spoiled |= self.standing
         if self.paused or self.standing:
             return HOLD
+        if self.learner is not None:
+            own = self.learner.answer(state, info)
+            self._deciders[info["cycle"], info["keeper"]] = self.by
+            if self.by == LEARNER:
+                return own
+        self._own_decisions += 1
         self._watch_idleness()
         return self.keys.take(info["keeper"], info["cycle"], state.tolist())
 
@@ -144,6 +170,8 @@ class Demonstrator:
     def decided(self, decision: Decision) -> None:
         """Take a decision that was taken."""
         self.insight.decided(decision)
+        if self.learner is not None or self.terms.correct:
+            decision = replace(decision, by=self._deciders.get((decision.cycle, decision.keeper), PERSON))
         if not self._closed:
             self._recording.decided(decision)
 
@@ -156,20 +184,36 @@ class Demonstrator:
         if self.finished:
             return
         idle, self._signs_before = self._signs == self._signs_before, self._signs
+        idle &= self.learner is None or self._own_decisions > 0
+        self._own_decisions = 0
+        self._deciders = {key: by for key, by in self._deciders.items() if key[0] >= episode.end}
         if self._spoiled or self._drop_running:
             self._dropped += self._drop_running
             self._shelf.settle(self._shelf.idle)
             self._recording.take(episode)
         else:
+            self._look_again(episode)
             self._shelf.put(episode, idle)
             if self.on_kept is not None:
                 self.on_kept(episode)
         self._drop_running, self._spoiled = False, self.paused
-        if self._enough:
-            # Whoever went away before the end has not come to it.
-            self.asking |= self._shelf.idle > 1
-            if not self.asking:
-                self.stop()
+        # Whoever went away before the end has not come to it.
+        self.asking |= self._enough and self._shelf.idle > 1
+        self._stop_when_done()
+
+    def _stop_when_done(self) -> None:
+        if self._enough and not self.asking and not self.replaying:
+            self.stop()
+
+    def _look_again(self, episode: Episode) -> None:
+        """Show an episode that has just ended again, where it is to be corrected."""
+        if self._film is None or self.on_replay is None:
+            return
+        shown = self._film.cut(episode, self._recording.of(episode), self.keys.actions)
+        self._looked_at = {d["cycle"]: d for d in shown["decisions"]}
+        if self._looked_at and shown["frames"]:
+            self.replaying = True
+            self.on_replay(shown)
 
     @property
     def _enough(self) -> bool:
@@ -179,6 +223,8 @@ class Demonstrator:
     def observe(self, frame: Frame) -> None:
         """Take the newest frame, and write into it what the person can do."""
         self.keys.observe(frame)
+        if self._film is not None and not self.replaying:
+            self._film.take(frame)
 
     # -- towards the person -------------------------------------------------------------------------------------------
     def person(self, there: bool) -> None:
@@ -196,23 +242,33 @@ class Demonstrator:
 
     @property
     def standing(self) -> bool:
-        """Whether the game is to stand still: the person is not there or ready, does not look, or has not answered.
+        """Whether the game is to stand still: the person is not there or ready, looks elsewhere, or has not answered.
 
         Where it cannot, the keepers hold, and an episode in which they had to decide is not kept.
         """
-        return self.away or not self.started or not self.looking or self.asking
+        return self.away or not self.started or not self.looking or self.asking or self.replaying
 
     def press(self, action: int, at: float | None = None) -> bool:
-        """Take a key for an action; see `KeyChannel.press`."""
-        return self.keys.press(action, at)
+        """Take a key for an action, and the turn with it; see `KeyChannel.press`."""
+        return self._took_turn(self.keys.press(action, at))
 
     def press_mate(self, mate: str, at: float | None = None) -> bool:
-        """Take a key for a team mate; see `KeyChannel.press_mate`."""
-        return self.keys.press_mate(mate, at)
+        """Take a key for a team mate, and the turn with it; see `KeyChannel.press_mate`."""
+        return self._took_turn(self.keys.press_mate(mate, at))
+
+    def _took_turn(self, pressed: bool) -> bool:
+        if pressed:
+            self.by = PERSON
+        return pressed
 
     def correct(self, cycle: int, action: int | None) -> bool:
-        """Take what would have been right; False: there is nothing to correct."""
-        return False
+        """Take what would have been right in the episode looked at again; None: what was played."""
+        decision = self._looked_at.get(cycle) if self.replaying else None
+        if decision is None or action not in (None, *self.keys.actions):
+            return False
+        decision["right"] = action
+        self._commands += 1
+        return self._recording.correct(cycle, decision["keeper"], action)
 
     def command(self, name: str) -> bool:
         """Do what the person asked for.
@@ -247,18 +303,32 @@ class Demonstrator:
             self._shelf.last.dropped = not self._shelf.last.dropped
         elif name == "pause":
             self.paused = self._spoiled = True
-            self.press(HOLD)
+            self.keys.press(HOLD)
         elif name == "resume":
             self.paused = False
         elif name == "here":
             self.asking, self._idle_decisions = False, 0
-            if self._enough:
-                self.stop()
+            self._stop_when_done()
+        elif name in ("take", "give") and self.learner is not None:
+            self.by = PERSON if name == "take" else LEARNER
+            self._idle_decisions = 0
+            self.keys.release()
+        elif name == "seen" and self.replaying:
+            self._seen()
         elif name == "stop":
             self.stop()
         else:
             return False
         return True
+
+    def _seen(self) -> None:
+        """Go on after an episode was looked at again."""
+        self.replaying, self._looked_at = False, {}
+        if self.on_replay is not None:
+            self.on_replay(None)
+        if self.terms.at_once:
+            self._shelf.settle(self._shelf.idle)
+        self._stop_when_done()
 
     def stop(self) -> None:
         """Record no more."""
@@ -311,6 +381,9 @@ class Demonstrator:
             "asking": self.asking,
             "standing": self.standing,
             "stops": self.stops,
+            "replaying": self.replaying,
+            "turns": self.learner is not None,
+            "by": self.by,
         }
 
     def farewell(self) -> dict[str, Any]:

@@ -277,6 +277,8 @@ class Room:
                 return refusal(
                     "no_such_pass", f"there is no such pass here: 0 holds the ball, {passes} passes it", passes=known
                 )
+            case protocol.Correct():
+                return refusal("nothing_to_correct", "nobody had to decide at this moment")
             case protocol.Mate():
                 return refusal("no_pass_there", "no pass goes there at the moment")
             case protocol.Command("drop_last"):

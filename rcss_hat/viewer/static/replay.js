@@ -26,7 +26,12 @@ export class Replay {
     $("replay").hidden = !this.shown;
     $("play").hidden = this.shown || this.viewer.role !== "player";
     this.viewer.pitch.replaying = this.shown;
-    if (!frames) { this.viewer.pitch.forget(); return; }
+    if (!frames) {
+      this.stop();
+      this.viewer.pitch.forget();
+      if (this.viewer.frame) this.viewer.pitch.push(this.viewer.frame, performance.now(), 1);
+      return;
+    }
     this.frames = frames;
     this.actions = actions;
     this.decisions = new Map(decisions.map((d) => [d.cycle, d]));
