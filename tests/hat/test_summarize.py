@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -105,3 +106,16 @@ def test_nothing_to_learn_from_is_an_error() -> None:
 def test_learner_can_be_chosen() -> None:
     summary = summarize(hand_coded(), seed=0, learner=RipperClassifier(prune=False))
     assert summary.training_accuracy > summarize(hand_coded(), seed=0).training_accuracy
+
+
+def test_rules_are_learned_from_lessons() -> None:
+    """What a learner did while a person looked on teaches nothing; what the person called right does."""
+    taught = hand_coded().split(6)[0]
+    wrong = [
+        replace(d, by=("learner",) * len(d), actions=2 - d.actions, right=tuple(d.actions.tolist())) for d in taught
+    ]
+    ignored = [replace(d, by=("learner",) * len(d), actions=0 * d.actions) for d in taught]
+    marked = DemonstrationSet(replace(taught.info, marked=True), (*wrong, *ignored))
+    learned = summarize(marked, seed=0)
+    assert learned.decision_list.to_json() == summarize(taught, seed=0).decision_list.to_json()
+    assert learned.n_decisions == taught.n_decisions

@@ -284,6 +284,7 @@ class Viewer {
     const keys = this.passes;
     $("intro-keys").textContent = texts.say(touch.matches ? "keys_touch" : "keys_keyboard", { passes: texts.list(keys) });
     $("intro-turns").hidden = !this.status.turns;
+    $("intro-turns").textContent = texts.say(touch.matches ? "keys_turns_touch" : "keys_turns");
     $("help-passes").replaceChildren(...keys.map((action) => Object.assign(document.createElement("kbd"), { textContent: action })));
   }
 

@@ -24,6 +24,7 @@ export class Replay {
     const begins = frames && !this.shown;
     this.shown = Boolean(frames);
     $("replay").hidden = !this.shown;
+    document.querySelector("main").classList.toggle("replaying", this.shown);
     $("play").hidden = this.shown || this.viewer.role !== "player";
     this.viewer.pitch.replaying = this.shown;
     if (!frames) {
