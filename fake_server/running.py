@@ -42,8 +42,12 @@ def run(server: Server, timing: Timing | None = None) -> int:
 
 @contextlib.contextmanager
 def stopped_by_signals(server: Server) -> Iterator[None]:
-    """Let SIGINT, SIGTERM and SIGHUP end a server cleanly; in the main thread, which has its own handlers back then."""
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    """Let SIGINT, SIGTERM and SIGHUP end a server cleanly; in the main thread, which has its own handlers back then.
+
+    Windows has no SIGHUP; there Ctrl-Break does the same.
+    """
+    names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
     before = [signal.signal(number, lambda *_: server.stop()) for number in numbers]
     try:
         yield

@@ -255,7 +255,11 @@ class ServerProcess:
         """Stop the server cleanly (SIGINT), by force after some seconds."""
         process = self._process
         if process is not None and process.returncode is None:
-            process.send_signal(signal.SIGINT)
+            if sys.platform == "win32":  # has no signals to send; the watchdog ends the server when its input ends
+                assert process.stdin is not None
+                process.stdin.close()
+            else:
+                process.send_signal(signal.SIGINT)
             try:
                 async with asyncio.timeout(STOP_TIMEOUT):
                     await process.wait()

@@ -120,7 +120,8 @@ def _sign(handle: int) -> None:
     }
     with contextlib.suppress(OSError):
         os.ftruncate(handle, 0)
-        os.pwrite(handle, json.dumps(holder).encode(), 0)
+        os.lseek(handle, 0, os.SEEK_SET)
+        os.write(handle, json.dumps(holder).encode())
 
 
 def _holder(key: Path) -> str:

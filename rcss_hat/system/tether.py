@@ -34,11 +34,15 @@ def _watch(command: list[str]) -> int:
     child = subprocess.Popen(command, stdin=subprocess.DEVNULL)
 
     def wait_for_end() -> None:
-        sys.stdin.buffer.read()
+        while os.read(sys.stdin.fileno(), 1024):  # unbuffered: a lock that this thread holds would fail the exit
+            pass
         child.kill()
 
     def pass_on(number: int, frame: object) -> None:
-        child.send_signal(number)
+        if sys.platform == "win32":  # has no signals to send
+            child.terminate()
+        else:
+            child.send_signal(number)
 
     threading.Thread(target=wait_for_end, daemon=True).start()
     for number in (signal.SIGINT, signal.SIGTERM):
