@@ -22,6 +22,8 @@ HEADERS = {
     "Content-Security-Policy": VIEWER_HEADERS["Content-Security-Policy"].replace(
         "form-action 'none'", "form-action 'self'"
     ),
+    # Without any referrer browsers call the origin of a form "null", as those of strangers do.
+    "Referrer-Policy": "same-origin",
 }
 _TYPES = {".css": "text/css", ".js": "text/javascript"}
 

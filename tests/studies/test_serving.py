@@ -166,7 +166,7 @@ async def test_other_names_and_other_links_are_nobodys(server: StudyServer, sess
     for path in ("p/nobody/", "join/nobody/", "lab/nobody/", "lab/nobody/status", "lab/nobody/data.zip", "p/../x"):
         async with session.get(server.url + path) as response:
             assert response.status == 404
-            assert response.headers["Referrer-Policy"] == "no-referrer"
+            assert response.headers["Referrer-Policy"] == "same-origin"
 
 
 async def test_the_open_link_gives_the_next_free_place_once(server: StudyServer) -> None:
