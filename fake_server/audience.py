@@ -11,6 +11,7 @@ from fake_server.clients import Clients
 from fake_server.game import Game
 from fake_server.logs import Logs
 from fake_server.monitor import Frames
+from fake_server.perception import Perception, Told
 from fake_server.show import MESSAGE_BOARD
 from fake_server.soccer.limits import Limits
 from rcss_hat.protocol.messages import ChangePlayerType, Hear
@@ -29,9 +30,14 @@ class Audience:
 
     def __init__(self, game: Game, clients: Clients, logs: Logs) -> None:
         self._game, self._clients, self._logs = game, clients, logs
-        self._frames = Frames(game)
+        self._frames, self._perception = Frames(game), Perception(game)
         self._limits = Limits(game.params, game.match) if game.touch is not None else None
         self._coach_said: list[str] = []
+
+    @property
+    def hears_no_player(self) -> bool:
+        """Whether nobody but players is told what players say."""
+        return self._clients.trainer is None and not self._clients.monitors and not self._logs.wants_messages
 
     # --- a step ---------------------------------------------------------------------------------------------------
     def show(self) -> None:
@@ -46,8 +52,9 @@ class Audience:
     def tell_step(self) -> None:
         """Tell players and the trainer of a step: all but what players see."""
         players = self._clients.here()
-        for player in players:
-            player.sense_body()
+        seats = [player.i for player in players]
+        for player, (_, sense) in zip(players, self._perception.sense_body(seats), strict=True):
+            player.connection.send_bytes(sense)
             player.fullstate()
             player.told = True
         for message in self._coach_said:
@@ -56,19 +63,24 @@ class Audience:
                 player.connection.send(heard)
         self._coach_said.clear()
         if self._game.match["n_heard"][0]:
-            for player in players:
-                player.hear()
+            self._tell(self._perception.hear(seats))
         self._game.forget_collisions()
         if self._clients.trainer is not None:
             self._clients.trainer.see_global()
 
     def send_sees(self, due: NDArray[np.uint8]) -> None:
         """Send so many see messages to every player."""
-        for i in np.flatnonzero(due).tolist():
-            player = self._clients.players[i]
-            if player is not None:
-                for _ in range(int(due[i])):
-                    player.see()
+        if due.any():
+            absent = [i for i, player in enumerate(self._clients.players) if player is None]
+            due[absent] = 0
+            self._tell(self._perception.see(due))
+
+    def _tell(self, told: Told) -> None:
+        players = self._clients.players
+        for i, data in told:
+            player = players[i]
+            assert player is not None, "nobody leaves while all are told"
+            player.connection.send_bytes(data)
 
     # --- what is said ---------------------------------------------------------------------------------------------
     def announce(self, messages: list[str]) -> None:

@@ -14,6 +14,7 @@ from fake_server.trainer import TrainerClient
 from rcss_hat.simulation.state import N_PLAYERS
 
 Client = PlayerClient | TrainerClient | MonitorClient
+_THINK = b"(think)\0"
 
 
 class Clients:
@@ -34,6 +35,7 @@ class Clients:
         self.monitors: list[MonitorClient] = []
         self.trainer: TrainerClient | None = None
         self.by_address: dict[Address, Client] = {}
+        self._here: list[PlayerClient] = []
         self._everybody = selectors.DefaultSelector()
         self._others = selectors.DefaultSelector()  # all but the players
         self._bell, self._ear = socket.socketpair()
@@ -43,7 +45,7 @@ class Clients:
     # --- who is there ---------------------------------------------------------------------------------------------
     def here(self) -> list[PlayerClient]:
         """Return the players who are there, by index."""
-        return [player for player in self.players if player is not None]
+        return self._here
 
     def add(self, client: Client) -> None:
         """Take a client in; a player who had the place before is forgotten."""
@@ -51,7 +53,7 @@ class Clients:
             old = self.players[client.i]
             if old is not None:
                 self.remove(old)
-            self.players[client.i] = client
+            self._seat(client.i, client)
         elif isinstance(client, MonitorClient):
             self.monitors.append(client)
         else:
@@ -59,10 +61,14 @@ class Clients:
         self.by_address[client.connection.address] = client
         self.watch(client.connection.socket, client)
 
+    def _seat(self, i: int, client: PlayerClient | None) -> None:
+        self.players[i] = client
+        self._here = [player for player in self.players if player is not None]  # a new list: old ones are gone through
+
     def remove(self, client: Client) -> None:
         """Forget a client and close the socket."""
         if isinstance(client, PlayerClient):
-            self.players[client.i] = None
+            self._seat(client.i, None)
         elif isinstance(client, MonitorClient):
             self.monitors.remove(client)
         else:
@@ -77,6 +83,8 @@ class Clients:
 
     def gone(self) -> list[Client]:
         """Return those who are no longer connected: players, the trainer, monitors."""
+        if all(client.connection.connected for client in self.by_address.values()):
+            return []
         everybody: list[Client | None] = [*self.players, self.trainer, *self.monitors]
         return [client for client in everybody if client is not None and not client.connection.connected]
 
@@ -120,9 +128,8 @@ class Clients:
             connection.release()
 
     def _thinking(self) -> Iterator[Connection]:
-        for player in self.players:
-            if player is not None:
-                yield player.connection
+        for player in self._here:
+            yield player.connection
         if self.trainer is not None:
             yield self.trainer.connection
 
@@ -136,5 +143,5 @@ class Clients:
             thinkers.append(self.trainer)
         for client in thinkers:
             client.done = False
-            client.connection.send("(think)")
+            client.connection.send_bytes(_THINK)
         return thinkers

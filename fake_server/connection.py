@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import socket
 import zlib
+from collections.abc import Iterator
 
 from rcss_hat.protocol.commands import MAX_DATAGRAM
 from rcss_hat.protocol.digits import Buffer
@@ -65,6 +66,14 @@ class Connection:
     def release(self) -> None:
         """Send what was kept, and everything else at once again."""
         held, self._held = self._held, None
+        if held and self.connected and self._level < 0:
+            send = self.socket.send
+            try:
+                for data in held:
+                    send(data)
+            except OSError:
+                self.close()
+            return
         for data in held or ():
             self.send_bytes(data)
 
@@ -83,22 +92,21 @@ class Connection:
         except OSError:
             self.close()
 
-    def receive(self) -> list[bytes]:
-        """Return all datagrams that have arrived, decompressed; those that cannot be are left out."""
-        messages: list[bytes] = []
+    def receive(self) -> Iterator[bytes]:
+        """Take the datagrams that have arrived, decompressed; those that cannot be are left out."""
+        receive = self.socket.recv
         while self.connected:
             try:
-                data = self.socket.recv(MAX_DATAGRAM)
+                data = receive(MAX_DATAGRAM)
             except BlockingIOError:
-                break
+                return
             except OSError:
                 self.close()
-                break
+                return
             if self._level >= 0:
                 data = _decompressed(data)
             if data:
-                messages.append(data)
-        return messages
+                yield data
 
     def close(self) -> None:
         """Have nothing more to do with the client."""

@@ -138,6 +138,11 @@ class Game:
         return self.time == 0 and self.mode == BEFORE_KICK_OFF
 
     @property
+    def goes_on_unwatched(self) -> bool:
+        """Whether nothing that players do is announced at once: open play, without a `TouchReferee`."""
+        return self.touch is None and self.mode == PLAY_ON
+
+    @property
     def mode_name(self) -> str:
         """Play mode as clients are told."""
         return PLAY_MODES[self.mode]

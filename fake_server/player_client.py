@@ -19,13 +19,12 @@ from fake_server.param_text import all_params
 from fake_server.reactions import Complaint, Reaction, Reactions, Reply
 from rcss_hat.protocol import commands as said
 from rcss_hat.protocol import messages
+from rcss_hat.protocol.commands.action import IS_DONE, NOT_PLAIN, read_action
 from rcss_hat.protocol.digits import ascii_bytes
-from rcss_hat.protocol.landmarks import N_LANDMARKS
-from rcss_hat.protocol.records import MAX_PLAYERS, SEE, SENSE_BODY, empty
-from rcss_hat.protocol.see import team_names, write_see
-from rcss_hat.simulation import body, hearing, vision
-from rcss_hat.simulation.commands import too_many_moves
-from rcss_hat.simulation.state import BEFORE_KICK_OFF, MAX_MESSAGES
+from rcss_hat.protocol.records import ACTION, KICK, MAX_PLAYERS, SENSE_BODY, empty
+from rcss_hat.simulation import body
+from rcss_hat.simulation.commands import act, too_many_moves
+from rcss_hat.simulation.state import BEFORE_KICK_OFF
 from rcss_hat.simulation.world import World
 
 _DONE = b"(done)\0"
@@ -56,14 +55,11 @@ class PlayerClient:
         self.version = int(self.game.match["version"][0, i])
         self.done = self.told = False
         self._pending: list[Any] = []
-        self._see, self._sense = empty(SEE), empty(SENSE_BODY)
+        self._plain: bytes | None = None  # a datagram whose commands stand in the action, the first since the last step
+        self._action = empty(ACTION)
+        self._sense = empty(SENSE_BODY)
         self._buffer = np.zeros(said.MAX_DATAGRAM, dtype=np.uint8)
-        self._landmarks = np.arange(N_LANDMARKS, dtype=np.uint8)
-        self._order = np.zeros((MAX_MESSAGES, 2), dtype=np.int32)
-        self._ends = np.zeros(MAX_MESSAGES, dtype=np.int64)
         self._gets_fullstate = bool(self.game.params["fullstate_l" if i < MAX_PLAYERS else "fullstate_r"])
-        self._teams: tuple[str, str] | None = None
-        self._names, self._sizes = team_names("", "")
 
     @property
     def who(self) -> str:
@@ -92,15 +88,6 @@ class PlayerClient:
         player_type = int(self.game.match["type"][0, j])
         return messages.ChangePlayerType(unum=self.game.unum(j), player_type=player_type if own else None).to_text()
 
-    # --- what he is told every cycle ------------------------------------------------------------------------------
-    def sense_body(self) -> None:
-        """Send sense_body."""
-        self.connection.send_buffer(self._buffer, self._write_sense_body(self.game.world))
-
-    def _write_sense_body(self, world: World) -> int:
-        body.sense_body(world, self.i, self._sense)
-        return text.write_sense_body(self._sense, world.match, self.i, self._buffer)
-
     def fullstate(self) -> None:
         """Send fullstate where it is switched on."""
         if self._gets_fullstate:
@@ -108,33 +95,17 @@ class PlayerClient:
             size = text.write_fullstate(self.game.match, self.i, mode, self._buffer)
             self.connection.send_buffer(self._buffer, size)
 
-    def hear(self) -> None:
-        """Send what players said in the cycle before."""
-        match = self.game.match
-        n = hearing.deliver(self.game.world, self.i, self._order)
-        if n > 0:
-            text.write_hear(match, self.i, self._order, n, self._buffer, self._ends)
-            start = 0
-            for end in self._ends[:n].tolist():
-                self.connection.send_bytes(self._buffer[start:end].data)
-                start = end
-
-    def see(self) -> None:
-        """Send a see message."""
-        game = self.game
-        if self._teams != game.teams:
-            self._teams = game.teams
-            own = self.i // MAX_PLAYERS
-            self._names, self._sizes = team_names(game.names[own], game.name_for_opponents(1 - own))
-        vision.see(game.world, self.i, self._landmarks, True, self._see)
-        self.connection.send_buffer(self._buffer, write_see(self._see, self._names, self._sizes, self._buffer))
-
     # --- what he commands -----------------------------------------------------------------------------------------
     def take(self, data: bytes) -> Reactions:
         """Read a datagram, left to right, up to the first syntax error."""
         if data == _DONE:
             self.done = True
             return ()
+        if self._plain is None and not self._pending and (found := read_action(data, self._action)) != NOT_PLAIN:
+            self._plain = data
+            self.done |= bool(found & IS_DONE)
+            return ()
+        self._spell_out()
         reactions: list[Reaction] = []
         if not data.endswith(b"\0"):
             reactions.append(Reply("(warning message_not_null_terminated)"))
@@ -154,8 +125,29 @@ class PlayerClient:
 
     def commanded(self) -> list[Any]:
         """Return the commands that are to be carried out, and forget them."""
+        self._spell_out()
         pending, self._pending = self._pending, []
         return pending
+
+    def _spell_out(self) -> None:
+        """Make commands of a datagram in plain form."""
+        if self._plain is not None:
+            commands, _ = said.parse_commands(self._plain, self.game.params.profile)
+            self._pending += [command for command in commands if type(command) not in _CHANGE_NOTHING]
+            self._plain = None
+
+    def obey(self) -> bool:
+        """Carry out what is to be carried out if it is in plain form, where nobody is told of it; else return False.
+
+        That is so in open play that no `TouchReferee` watches, with nobody there who is told what players say.
+        """
+        if self._plain is None:
+            return not self._pending
+        if self._action["kind"][0] == KICK:
+            self.game.match["events"] = 0
+        act(self.game.world, self.i, self._action)
+        self._plain = None
+        return True
 
     def answer_done(self, command: said.Done | said.Bye) -> str:
         """Note that the client has finished this cycle, or for good."""
@@ -170,6 +162,10 @@ class PlayerClient:
     def answer_sense_body(self, command: said.SenseBody) -> str:
         """Tell sense_body as it is after the client's own commands so far."""
         return self._buffer[: self._write_sense_body(self._with_pending())].tobytes().decode("latin-1")
+
+    def _write_sense_body(self, world: World) -> int:
+        body.sense_body(world, self.i, self._sense)
+        return text.write_sense_body(self._sense, world.match, self.i, self._buffer)
 
     def answer_synch_see(self, command: said.SynchSee) -> str:
         """Confirm."""
@@ -206,6 +202,7 @@ class PlayerClient:
 
     def _with_pending(self) -> World:
         """Return the world as it will be when the own commands so far have been carried out."""
+        self._spell_out()
         if not self._pending:
             return self.game.world
         world = self.game.world

@@ -151,12 +151,19 @@ class Server:
     def _read(self, timeout: float, players: bool) -> None:
         for source in self.clients.wait(timeout, players):
             if not isinstance(source, int):
-                for data in source.connection.receive():
-                    self._take(source, data)
+                self._hear_out(source)
             elif self._reception is not None:
                 for client, reaction in self._reception.read(source):
                     self._do(client, reaction)
         self._remove_disconnected()
+
+    def _hear_out(self, client: Client) -> None:
+        """Take what a client has sent; what a player sends after ``(done)`` is left for the next look."""
+        waited_for = isinstance(client, PlayerClient) and not client.done
+        for data in client.connection.receive():
+            self._take(client, data)
+            if waited_for and client.done:  # type: ignore[union-attr]
+                break
 
     def _take(self, client: Client, data: bytes) -> None:
         self._log(client, data)
@@ -172,9 +179,10 @@ class Server:
 
     def carry_out(self) -> None:
         """Carry out what players have commanded, the left team's first, by number."""
-        for player in self.clients.players:
-            if player is not None:
-                self.game.settle_randomness()  # before the match nobody's commands change what others' draw
+        nobody_listens = self.audience.hears_no_player
+        for player in self.clients.here():
+            self.game.settle_randomness()  # before the match nobody's commands change what others' draw
+            if not (nobody_listens and self.game.goes_on_unwatched and player.obey()):
                 self._carry_out(player)
         self._remove_disconnected()
 

@@ -10,20 +10,20 @@ import numpy as np
 from fake_server import text
 from fake_server.game import Game
 from fake_server.options import ServerOptions
+from fake_server.perception import Perception
 from fake_server.show import monitor_head, show_2, write_show
 from fake_server.soccer.catch import catch_ball
 from fake_server.soccer.tackle import tackle
 from rcss_hat.numeric.compiling import compiling
 from rcss_hat.protocol.commands import MAX_DATAGRAM
+from rcss_hat.protocol.commands.action import read_action
 from rcss_hat.protocol.digits import ascii_bytes
-from rcss_hat.protocol.landmarks import N_LANDMARKS
 from rcss_hat.protocol.messages.frame import arm_target
 from rcss_hat.protocol.messages.show import MAX_SHOW
 from rcss_hat.protocol.params import ServerParams
-from rcss_hat.protocol.records import SEE, SENSE_BODY, empty
-from rcss_hat.protocol.see import team_names, write_see
-from rcss_hat.simulation import body, clock, commands, hearing, vision
-from rcss_hat.simulation.state import MAX_MESSAGES, N_PLAYERS, PLAY_ON
+from rcss_hat.protocol.records import ACTION, SENSE_BODY, empty
+from rcss_hat.simulation import body, clock, commands
+from rcss_hat.simulation.state import N_PLAYERS, PLAY_ON
 
 NEWEST = 19
 """A protocol version whose messages have all parts."""
@@ -85,20 +85,17 @@ def _referee(game: Game, i: int) -> None:
 
 
 def _perceive(game: Game, players: list[int]) -> None:
-    see, sense, due = empty(SEE), empty(SENSE_BODY), np.zeros(N_PLAYERS, dtype=np.uint8)
+    sense, due = empty(SENSE_BODY), np.zeros(N_PLAYERS, dtype=np.uint8)
     buffer, frame = np.zeros(MAX_DATAGRAM, dtype=np.uint8), np.zeros(MAX_SHOW, dtype=np.uint8)
-    names, sizes = team_names("left", "right")
-    order = np.zeros((MAX_MESSAGES, 2), dtype=np.int32)
-    ends = np.zeros(MAX_MESSAGES, dtype=np.int64)
-    landmarks = np.arange(N_LANDMARKS, dtype=np.uint8)
-    for i in players:
-        body.sense_body(game.world, i, sense)
-        text.write_sense_body(sense, game.match, i, buffer)
-        text.write_fullstate(game.match, i, ascii_bytes(game.mode_name), buffer)
-        n = hearing.deliver(game.world, i, order)
-        text.write_hear(game.match, i, order, n, buffer, ends)
-        vision.see(game.world, i, landmarks, True, see)
-        write_see(see, names, sizes, buffer)
+    i = players[0]
+    body.sense_body(game.world, i, sense)  # which a player may ask for
+    text.write_sense_body(sense, game.match, i, buffer)
+    text.write_fullstate(game.match, i, ascii_bytes(game.mode_name), buffer)
+    perception = Perception(game)
+    due[players] = 1
+    for told in (perception.sense_body(players), perception.hear(players), perception.see(due)):
+        for _ in told:
+            pass
     write_show(game.match, game.kernel, 5, ascii_bytes(monitor_head(game.mode, game.teams, game.score)), frame)
     clock.sees_before_think(game.match, game.kernel, due)
     clock.sees_after_think(game.match, game.kernel, due)
@@ -116,6 +113,9 @@ def _command(game: Game, i: int) -> None:
     catch_ball(world, i, 0.0)
     commands.too_many_moves(match, params, i)
     commands.turn_neck(match, params, i, 5.0)
+    action = empty(ACTION)
+    read_action(b"(turn 1)\0", action)
+    commands.act(world, i, action)
     commands.say(match, params, i, np.frombuffer(b"hello", dtype=np.uint8), 5)
     commands.change_view(match, i, 1, 1)
     commands.point_to(match, params, i, 5.0, 0.0)

@@ -1,9 +1,13 @@
 """Cycles per second over UDP: our five players on the fake server and, where they are found, the originals.
 
-    scripts/bench/udp.py [--executable RCSSSERVER] [--players KEEPAWAY_PLAYER] [--episodes N]
+    scripts/bench/udp.py [--executable RCSSSERVER] [--players KEEPAWAY_PLAYER] [--episodes N] [--against CHECKOUT]
 
 Everything is measured in one run on one machine: read the ratios. With ``--players`` (the UT Austin keepaway_player)
 and a real server, the C++ players are timed too. At the end: where the time of our players goes (cProfile).
+
+With ``--against`` the same matches are played turn by turn by this checkout and by another one, in processes of their
+own, and nothing but their ratios is printed: on a shared machine nothing else means much. Processor time is that of
+players and server together, without what a match of one episode takes.
 """
 
 from __future__ import annotations
@@ -11,11 +15,17 @@ from __future__ import annotations
 import argparse
 import asyncio
 import cProfile
+import json
+import os
 import pstats
+import resource
+import statistics
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 from rcss_hat.hat.policy import load_policy
 from rcss_hat.keepaway.report import RunReport
@@ -24,6 +34,14 @@ from rcss_hat.stage.match import Match, play_match
 from rcss_hat.stage.servers import ServerProcess, find_executable
 
 TASK = Task()
+HERE = Path(__file__).parents[2]
+
+
+class Pace(NamedTuple):
+    """What a match took per cycle."""
+
+    wall_us: float
+    processor_us: float
 
 
 def ours(executable: str | None, episodes: int) -> RunReport:
@@ -75,14 +93,54 @@ def profile(episodes: int) -> None:
         print(f"  {seconds:7.2f} s {calls:9d} calls  {Path(file).name}:{line} {name}")
 
 
+def _played(sources: Path, stage: list[str], episodes: int) -> tuple[float, float, float]:
+    """Play a match with the sources in some folder; returns cycles, seconds of play, and all processor time (s)."""
+    command = [sys.executable, "-m", "rcss_hat", "play", "--keepers", "hand", "--seed", "1", "--json"]
+    environment = {**os.environ, "PYTHONPATH": str(sources)}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    told = subprocess.run(
+        [*command, *stage, "--episodes", str(episodes)], env=environment, check=True, capture_output=True, cwd=sources
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    report = json.loads(told.stdout)
+    processor = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return report["cycles"], report["wall_s"], processor
+
+
+def pace(sources: Path, stage: list[str], episodes: int) -> Pace:
+    """Return what a cycle takes with the sources in some folder."""
+    few, _, start = _played(sources, stage, 1)
+    cycles, wall, processor = _played(sources, stage, episodes)
+    return Pace(wall / cycles * 1e6, (processor - start) / (cycles - few) * 1e6)
+
+
+def compare(other: Path, found: str | None, episodes: int, pairs: int) -> None:
+    """Print how much faster this checkout plays than another one."""
+    print(f"{'median of ' + str(pairs) + ' pairs (least to most)':<36}{'cycles/s':>22}{'processor time':>22}")
+    for name, stage in (("fake", ["--on", "fake"]), ("real", ["--on", "real", "--executable", str(found)])):
+        if name == "real" and found is None:
+            continue
+        ratios = []
+        for k in range(pairs):
+            order = (HERE, other) if k % 2 else (other, HERE)  # who begins may find the machine warmer
+            took = {sources: pace(sources, stage, episodes) for sources in order}
+            ratios.append([took[other][i] / took[HERE][i] for i in range(2)])
+        cells = [f"{statistics.median(r):.2f} ({min(r):.2f} to {max(r):.2f})" for r in zip(*ratios, strict=True)]
+        print(f"{'our players, ' + name + ' server':<36}{cells[0]:>22}{cells[1]:>22}", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--executable", default=None, help="an rcssserver [default: the one on PATH]")
     parser.add_argument("--players", default=None, help="the UT Austin keepaway_player")
     parser.add_argument("--episodes", type=int, default=60)
     parser.add_argument("--seconds", type=float, default=15.0, help="how long the C++ players are timed")
+    parser.add_argument("--against", type=Path, help="a folder with other sources")
+    parser.add_argument("--pairs", type=int, default=5, help="matches of each, with --against")
     arguments = parser.parse_args()
     found = find_executable(arguments.executable)
+    if arguments.against:
+        return compare(arguments.against.resolve(), found, arguments.episodes, arguments.pairs)
     rows = []
     for stage, executable in (("fake", None), ("real", found)):
         if stage == "real" and found is None:
