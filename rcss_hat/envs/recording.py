@@ -63,7 +63,8 @@ class RecordDemonstrations(gymnasium.Wrapper[Observation, np.int64, Observation,
         self._before = info
         if terminated:
             reason = _REASONS.get(info["reason"], "?")
-            self.writer.end_episode(info["cycle"] - info["duration"], info["cycle"], reason)
+            final = self._inner.state if info["perceived"] else None
+            self.writer.end_episode(info["cycle"] - info["duration"], info["cycle"], reason, final=final)
         elif truncated:
             self.writer.drop_episode()
         return seen, reward, terminated, truncated, info

@@ -36,7 +36,7 @@ class Episode:
     reason : {"o", "t", "?"}
         Ball out, ball taken, or not known to this side of the wire.
     final : tuple of float, optional
-        State variables at the end, as the keeper believed them who decided last; where the arena kept decisions.
+        State variables at the end, as the keeper believed them who decided last; where decisions were kept.
     """
 
     number: int

@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Mapping
+from dataclasses import replace
 
 from rcss_hat.hat.policy import TeamPolicy
-from rcss_hat.keepaway.decision import KeeperPolicy, OnDecision, overheard
+from rcss_hat.keepaway.decision import KeeperPolicy, OnDecision, onlooker_of, overheard
+from rcss_hat.keepaway.final_states import FinalStates
 from rcss_hat.keepaway.report import INTERRUPTED, Episode, RunReport
 from rcss_hat.keepaway.session import KeepawayPlayer
 from rcss_hat.keepaway.task import Task
@@ -73,18 +75,21 @@ class ServerStage(Stage):
         """Play in an event loop that runs already; see `Stage.run`."""
         if part.on_frame is not None:
             raise ValueError("who wants to see a match on a server connects to it as a monitor")
+        finals = None if part.on_decision is None else FinalStates(self.task)
         try:
             async with self.server or contextlib.nullcontext():  # started first: it may have to compile, too
                 with compiling(self.terms.say, "the players", "rcss_hat.keepaway.agent"):
                     await aside(self._warm_up)
-                await self._play(part)
+                    if finals is not None:
+                        await aside(finals.warm_up)
+                await self._play(part, finals)
         except ServerFailed as error:
             self.report.end_early(error)
         return self.report
 
-    async def _play(self, part: Part) -> None:
+    async def _play(self, part: Part, finals: FinalStates | None) -> None:
         endless = part.episodes is None and part.cycles is not None
-        match = self.match = self._match(ENDLESS if endless else part.episodes, part.on_decision)
+        match = self.match = self._match(ENDLESS if endless else part.episodes, part.on_decision, finals)
         playing, enough = asyncio.current_task(), False
         assert playing is not None
 
@@ -92,6 +97,8 @@ class ServerStage(Stage):
             nonlocal enough
             if enough:
                 return
+            if finals is not None:
+                episode = replace(episode, final=finals.take(episode.end))
             over = part.on_episodes is not None and part.on_episodes([episode], match.cycles)
             if over or (part.cycles is not None and match.cycles >= part.cycles):
                 enough = playing.cancel()
@@ -109,7 +116,7 @@ class ServerStage(Stage):
             self.policy.warm_up()
         KeepawayPlayer(KEEPERS, self.task.keepers, self.task.takers, self.seed, never).prepare()
 
-    def _match(self, episodes: int | None, on_decision: OnDecision | None) -> Match:
+    def _match(self, episodes: int | None, on_decision: OnDecision | None, finals: FinalStates | None) -> Match:
         keepers: KeeperPolicy | None = self.policy
         crew: Crew | None = None
         if self.terms.processes:
@@ -118,6 +125,9 @@ class ServerStage(Stage):
             crew = ProcessCrew(self.task, *self.address, self.seed, self.policy)
         elif keepers is not None and on_decision is not None:
             keepers = overheard(keepers, on_decision)
+            if finals is not None and onlooker_of(keepers) is None:
+                keepers = overheard(keepers, finals.decided)
+                keepers.onlooker = finals  # type: ignore[attr-defined]
         return Match(self.task, self.address, self.seed, keepers, self.terms.takers, episodes, self.terms, crew)
 
     def _trainer(self) -> TrainerClient | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from quick_servers import QuickServer
 
@@ -14,7 +16,7 @@ from rcss_hat.stage.place import Place
 def quick_servers(monkeypatch: pytest.MonkeyPatch) -> list[QuickServer]:
     """The servers that run, with ``stage="fake"``."""
 
-    def server(place: Place, task: Task, seed: int | None, **changes: Value) -> QuickServer:
+    def server(place: Place, task: Task, seed: int | None, logs: Path | None = None, **changes: Value) -> QuickServer:
         return QuickServer(task, seed)
 
     monkeypatch.setattr(Place, "server", server)

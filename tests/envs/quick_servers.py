@@ -21,6 +21,7 @@ class QuickServer:
         self._stack = contextlib.ExitStack()
         self._served: Served = self._stack.enter_context(serving(task, seed))
         self.host, self.port = self._served.host, self._served.port
+        self.random_seed = None if seed is None else str(seed)
         self._died = asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self.running.append(self)

@@ -97,7 +97,7 @@ def test_what_cannot_be_shown_is_refused() -> None:
     with pytest.raises(ValueError, match="render_mode is one of"):
         KeepawayEnv(render_mode="video")
     with pytest.raises(ValueError, match="rcss-hat watch"):
-        KeepawayEnv(render_mode="rgb_array", stage="fake")
+        KeepawayEnv(render_mode="human", stage="fake")
     with pytest.raises(ValueError, match="render_mode='human'"):
         ManualPolicy(KeepawayEnv(render_mode="ansi"))
 
@@ -115,6 +115,7 @@ def test_agents_are_shown_too() -> None:
 def test_what_is_played_becomes_demonstrations(tmp_path: Path) -> None:
     env = RecordDemonstrations(gymnasium.make("rcss_hat/Keepaway-v0"), tmp_path / "mine.csv", "nobody")
     expected, ends = list[tuple[int, int, int, list[float]]](), list[tuple[int, str]]()
+    finals: list[tuple[float, ...]] = []
     for episode in range(3):
         _, info = env.reset(seed=2 if episode == 0 else None)
         over = False
@@ -123,11 +124,13 @@ def test_what_is_played_becomes_demonstrations(tmp_path: Path) -> None:
             expected.append((info["cycle"], info["keeper"], action, env.unwrapped.state.tolist()))  # type: ignore[attr-defined]
             _, _, over, _, info = env.step(action)
         ends.append((info["duration"], info["reason"][0]))
+        finals.append(tuple(env.unwrapped.state.tolist()))  # type: ignore[attr-defined]
     env.reset()
     env.step(0)
     env.close()
     read = DemonstrationSet.load(tmp_path / "mine.csv")
     assert [(d.episode.cycles, d.episode.reason) for d in read] == ends
+    assert [d.episode.final for d in read] == finals
     assert [int(c) for d in read for c in d.cycles] == [cycle for cycle, *_ in expected]
     assert read.y.tolist() == [action for _, _, action, _ in expected]
     np.testing.assert_allclose(read.X, [state for *_, state in expected], atol=1e-6)

@@ -62,8 +62,10 @@ def test_a_function_in_python_plays_the_same_match_in_the_arena_and_on_a_server(
             ended,
             sorted(s for s in seen if s[1] < end),
             sorted((d.cycle, d.keeper, d.state, d.action) for d in decisions if d.cycle < end),
+            [episode.final for episode in ended],
         ]
     assert len(told[ARENA][2]) > 5  # type: ignore[arg-type]
+    assert all(told[ARENA][3])  # type: ignore[call-overload]
     assert told[ARENA] == told[FAKE]
 
 
