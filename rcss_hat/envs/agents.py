@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rcss_hat.envs.keepaway_env import MAX_SEED, OVER
 from rcss_hat.envs.options import HAND, Options
-from rcss_hat.envs.rendering import check_render_mode, renderer
+from rcss_hat.envs.rendering import changes_for, check_render_mode, renderer
 from rcss_hat.envs.spaces import Observations, action_space
 from rcss_hat.envs.stepping import DECISION, ENDED, GONE, Setting, State, Steps, open_steps
 from rcss_hat.keepaway.taker import n_macro_actions
@@ -69,8 +69,7 @@ class Agents:
         self._of_keepers = Observations(task, options.normalize)
         self._of_takers = Observations(task, options.normalize, taker=True)
         changes: dict[str, Any] = {"every_cycle": every_cycle, "every_view": every_cycle}
-        if self.renderer is not None:
-            changes["on_frame"] = self.renderer.seen
+        changes |= changes_for(self.renderer, options.stage)
         if taker_agents:
             changes["taker_cycles"] = taker_cycles
         self.setting: Setting = options.setting(self._of_keepers, **changes)

@@ -13,7 +13,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from rcss_hat.envs.options import Options
-from rcss_hat.envs.rendering import FPS, RENDER_MODES, check_render_mode, renderer
+from rcss_hat.envs.rendering import FPS, RENDER_MODES, changes_for, check_render_mode, renderer
 from rcss_hat.envs.rewards import Rewards
 from rcss_hat.envs.spaces import Observations, action_space
 from rcss_hat.envs.stepping import DECISION, ENDED, GONE, Setting, open_steps
@@ -72,9 +72,11 @@ class KeepawayEnv(gymnasium.Env[Observation, np.int64]):
         action does anything then. (Should two keepers reach the ball in one cycle, the second decides in a step of its
         own, of no cycles.)
     truth : bool
-        Whether ``info`` holds where everybody is (arena only), see `rcss_hat.envs.stepping.Steps.truth`.
+        Whether ``info`` holds where everybody is, see `rcss_hat.envs.stepping.Steps.truth`; a server shows it to a
+        monitor, for which it waits a little.
     render_mode : {"human", "rgb_array", "ansi"}, optional
-        In the arena: every cycle on a page in the browser, in real time; or what `render` returns, pixels or text.
+        In the arena every cycle on a page in the browser, in real time; or what `render` returns, pixels or text: of
+        the last cycle, on servers of that in which play stands.
 
     Raises
     ------
@@ -106,9 +108,7 @@ class KeepawayEnv(gymnasium.Env[Observation, np.int64]):
         self.observation_space = self._seen.space
         self.action_space = action_space(chosen.task)
         self.state_names = self._seen.names
-        self.setting: Setting = chosen.setting(
-            self._seen, on_frame=None if self.renderer is None else self.renderer.seen
-        )
+        self.setting: Setting = chosen.setting(self._seen, **changes_for(self.renderer, chosen.stage))
         self._steps = open_steps(self.setting)
         self._go_on = self._steps.go_on
         self._actions, self._mark, self.skipped = chosen.task.keepers, 0, 0

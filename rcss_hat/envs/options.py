@@ -42,7 +42,7 @@ class Options:
 
     def __post_init__(self) -> None:
         self.task  # noqa: B018 (says what is wrong with it)
-        place = Place.parse(self.stage)
+        Place.parse(self.stage)
         if self.hold_cycles < 1:
             raise ValueError(f"hold_cycles must be 1 or more, not {self.hold_cycles}")
         if self.max_cycles is not None and self.max_cycles < 1:
@@ -51,8 +51,6 @@ class Options:
             raise ValueError(f"per is {PER_DECISION!r} or {PER_CYCLE!r}, not {self.per!r}")
         if not isinstance(self.takers, str) and not callable(self.takers):
             raise ValueError(f"takers are {HAND!r}, a function of (state, info) or its name, not {self.takers!r}")
-        if self.truth and place.name != ARENA:
-            raise ValueError(f"true positions are known in the arena, not on {place}")
 
     @property
     def task(self) -> Task:
@@ -74,6 +72,7 @@ class Options:
             "max_cycles": self.max_cycles,
             "every_cycle": self.per == PER_CYCLE,
             "takers": takers,
+            "truth": self.truth,
             "taker_cycles": None if takers is None else 1,
         }
         return Setting(Place.parse(self.stage), observations.task, observations, **asked | changes)

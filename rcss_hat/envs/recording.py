@@ -63,7 +63,7 @@ class RecordDemonstrations(gymnasium.Wrapper[Observation, np.int64, Observation,
         self._before = info
         if terminated:
             reason = _REASONS.get(info["reason"], "?")
-            final = self._inner.state if info["perceived"] else None
+            final = self._inner.state.tolist() if info["perceived"] else None
             self.writer.end_episode(info["cycle"] - info["duration"], info["cycle"], reason, final=final)
         elif truncated:
             self.writer.drop_episode()

@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rcss_hat.protocol.messages import Show
 from rcss_hat.stage.place import ARENA
+from rcss_hat.viewer import shows
 from rcss_hat.viewer.audience import Audience
 from rcss_hat.viewer.demonstrator import Demonstrator
 from rcss_hat.viewer.frames import CYCLE_S, Frame, Setup, Snapshot
@@ -46,8 +48,8 @@ def check_render_mode(mode: str | None, place: str) -> None:
     """
     if mode is not None and mode not in RENDER_MODES:
         raise ValueError(f"render_mode is one of {', '.join(RENDER_MODES)}, not {mode!r}")
-    if mode is not None and place != ARENA:
-        raise ValueError(f"an environment shows the arena; a match on {place} is watched with rcss-hat watch")
+    if mode == HUMAN and place != ARENA:
+        raise ValueError(f"the page shows the arena; a match on {place} is watched with rcss-hat watch")
 
 
 def draw(snapshot: Snapshot, setup: Setup, side: int = SIDE) -> NDArray[np.uint8]:
@@ -121,6 +123,7 @@ class Renderer:
         self.controls = controls
         self._page: Page | None = None
         self._latest: Any = None
+        self._shown: tuple[Snapshot, int, int] | None = None
 
     def seen(self, record: Any) -> None:
         """Take what there is to see in a cycle, a record of `rcss_hat.arena.records.FRAME`."""
@@ -131,9 +134,21 @@ class Renderer:
             self._page.show(self._frame())
             self._pace(self.setup.step_s)
 
-    def _frame(self) -> Frame:
+    def shown(self, show: Show, number: int, start: int) -> None:
+        """Take what a monitor was shown, with number and start of the running episode."""
+        self._latest = None
+        self._shown = shows.snapshot_of(show, "play_on"), number, start
+
+    def _scene(self) -> tuple[Snapshot, int, int]:
         record = self._latest
-        return make_frame(snapshot_of(record), self.setup, int(record["episode"]), int(record["episode_start"]))
+        if record is None:
+            assert self._shown is not None, "something was seen"
+            return self._shown
+        return snapshot_of(record), int(record["episode"]), int(record["episode_start"])
+
+    def _frame(self) -> Frame:
+        snapshot, number, start = self._scene()
+        return make_frame(snapshot, self.setup, number, start)
 
     @property
     def is_open(self) -> bool:
@@ -142,10 +157,10 @@ class Renderer:
 
     def picture(self) -> NDArray[np.uint8] | str | None:
         """Return what `render` of the environment returns: nothing for people, who see the page."""
-        if self._latest is None or self.mode == HUMAN:
+        if (self._latest is None and self._shown is None) or self.mode == HUMAN:
             return None
         if self.mode == RGB:
-            return draw(snapshot_of(self._latest), self.setup)
+            return draw(self._scene()[0], self.setup)
         return "\n".join(draw_pitch(self._frame(), self.setup, COLUMNS, ROWS, playing=False)) + "\n"
 
     def close(self) -> None:
@@ -227,6 +242,13 @@ class Page:
         if self._loop is not None and self._closed is not None and not self._loop.is_closed():
             self._loop.call_soon_threadsafe(self._closed.set)
         self._thread.join(_OPENING)
+
+
+def changes_for(renderer: Renderer | None, place: str) -> dict[str, Any]:
+    """Return what a `rcss_hat.envs.stepping.Setting` needs so that a renderer sees a match in some place."""
+    if renderer is None:
+        return {}
+    return {"on_frame": renderer.seen} if place == ARENA else {"on_show": renderer.shown}
 
 
 def renderer(mode: str | None, title: str, params: Any) -> Renderer | None:

@@ -20,6 +20,7 @@ from rcss_hat.hat.policy import TeamPolicy
 from rcss_hat.keepaway.decision import OnFrame
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
+from rcss_hat.protocol.messages import Show
 from rcss_hat.simulation.world import World
 from rcss_hat.stage.place import ARENA, Place
 
@@ -53,8 +54,13 @@ class Setting:
         Takers are asked, too, once in so many cycles. None: they are hand-coded.
     takers : callable, optional
         Answers for the takers, so that `Steps.go_on` comes back for keepers only.
+    truth : bool
+        Whether somebody wants to know where everybody is, see `Steps.truth`.
     on_frame : callable, optional
         Told what there is to see in every cycle; in the arena only.
+    on_show : callable, optional
+        Told what a monitor was shown, where play has come back: the frame, number and start of the running episode; on
+        servers only.
     """
 
     place: Place
@@ -66,7 +72,9 @@ class Setting:
     every_view: bool = False
     taker_cycles: int | None = None
     takers: TakerPolicy | None = None
+    truth: bool = False
     on_frame: OnFrame | None = None
+    on_show: Callable[[Show, int, int], object] | None = None
 
     @property
     def asks_takers(self) -> bool:
@@ -162,15 +170,13 @@ class Steps(ABC):
         """
         raise ValueError(f"players can be placed in the arena, not on {self.setting.place}")
 
+    @abstractmethod
     def truth(self) -> dict[str, NDArray[np.float64]]:
         """Return where everybody is: ``ball``, ``keepers`` and ``takers``, rows of x, y (m), vx, vy (m per cycle).
 
-        Raises
-        ------
-        ValueError
-            On servers, which tell their players nothing of the kind.
+        On servers a monitor is shown it, to four decimals; only with `Setting.truth`.
         """
-        raise ValueError(f"true positions are known in the arena, not on {self.setting.place}")
+        raise NotImplementedError
 
     @abstractmethod
     def close(self) -> None:

@@ -15,13 +15,16 @@ from queue import SimpleQueue
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rcss_hat.envs.eye import Eye, truth_of
 from rcss_hat.envs.stepping import DECISION, ENDED, GONE, HOLD, NO_CHOICE, REACHED, Setting, State, Steps
 from rcss_hat.keepaway.agent import NO_DECISION, new_agent
 from rcss_hat.keepaway.decision import Believer, Decide, EpisodeEnd
 from rcss_hat.keepaway.report import OUT, TAKEN, Episode
 from rcss_hat.keepaway.state import n_state_variables, state_variables
 from rcss_hat.keepaway.taker_state import n_taker_variables, taker_state_variables
+from rcss_hat.protocol.messages import Show
 from rcss_hat.protocol.records import LEFT
 from rcss_hat.stage.on_server import ServerStage
 from rcss_hat.stage.stages import Part
@@ -48,6 +51,7 @@ class _Event(NamedTuple):
     views: Sequence[State | None] = ()
     episode: Episode | None = None
     failure: str = ""
+    show: Show | None = None
 
     @property
     def waits(self) -> bool:
@@ -69,6 +73,7 @@ class _Playing:
         self._decided_in = -1
         self._finals: dict[int, tuple[list[State | None], bool]] = {}
         self._views: list[list[tuple[int, State | None]]] = [[] for _ in range(setting.task.keepers)]
+        self._eye = Eye() if setting.truth or setting.on_show is not None else None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._task: asyncio.Task[Any] | None = None
         self._stage: ServerStage | None = None
@@ -98,8 +103,16 @@ class _Playing:
         _warm_up(setting)
         orders = self._taker if setting.asks_takers else None
         self._stage = ServerStage(setting.place, setting.task, self.seed, policy, Terms(orders=orders))
-        if not self._closing:
+        if self._closing:
+            return self._stage.report.failure
+        looking = None if self._eye is None else asyncio.create_task(self._eye.open(self._stage.address))
+        try:
             await self._stage.run(Part(on_episodes=self._episodes))
+        finally:
+            if looking is not None and self._eye is not None:
+                looking.cancel()
+                await asyncio.gather(looking, return_exceptions=True)
+                self._eye.close()
         return self._stage.report.failure
 
     @property
@@ -153,6 +166,8 @@ class _Playing:
         return max(answer, HOLD)
 
     def _put(self, event: _Event) -> None:
+        if self._eye is not None:
+            event = event._replace(show=self._eye.at(event.cycle))
         self.events.put(event._replace(number=self._number, start=self._start, last=self._last, missed=self._missed))
 
     def ended(self, player: Believer, cycle: int, taken: bool) -> None:
@@ -164,6 +179,8 @@ class _Playing:
     def acted(self, player: Believer) -> None:
         """See `Onlooker.acted`."""
         self._seen[player.unum - 1], self._acted[player.unum - 1] = player, player.cycle
+        if self._eye is not None:
+            self._eye.look()  # there is room for some hundred frames
         cycle = min(self._acted)
         if self.setting.every_view:
             seen = self._views[player.unum - 1]
@@ -234,9 +251,10 @@ class ServerSteps(Steps):
         if setting.every_view and setting.asks_takers and setting.takers is None:
             raise ValueError(f"with takers that decide, a step on {setting.place} is one decision: use per='decision'")
         if setting.on_frame is not None:
-            raise ValueError(f"who wants to see a match on {setting.place} connects to it as a monitor: rcss-hat watch")
+            raise ValueError(f"in every cycle a match on {setting.place} is seen by monitors: rcss-hat watch")
         self._playing: _Playing | None = None
         self._waits = False
+        self._show: Show | None = None
         self._end: Any = None
 
     def begin(self, seed: int) -> None:
@@ -281,7 +299,16 @@ class ServerSteps(Steps):
             self.number, self.start = event.episode.number + 1, event.episode.end  # the next one runs already
         if event.what == DECISION and event.player < self.setting.task.keepers:
             self.seen = self.setting.observations.of(self.state)
+        if event.show is not None:
+            self._show = event.show
+            if self.setting.on_show is not None:
+                self.setting.on_show(event.show, self.number, self.start)
         return event.what
+
+    def truth(self) -> dict[str, NDArray[np.float64]]:
+        """See `Steps.truth`."""
+        assert self._show is not None, "the setting wants it"
+        return truth_of(self._show, self.setting.task)
 
     def discard(self) -> int:
         """See `Steps.discard`."""

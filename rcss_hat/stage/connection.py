@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import select
 import socket
 from collections.abc import Callable
 from types import TracebackType
@@ -133,6 +134,26 @@ class Connection:
         assert self._socket is not None, "open() comes first"
         try:
             return await asyncio.get_running_loop().sock_recv(self._socket, LARGEST)
+        except OSError as error:
+            raise self._gone() from error
+
+    def arrived(self, patience: float = 0.0) -> list[bytes]:
+        """Return all that has come; wait for something so many seconds at most, while everything else stands still.
+
+        Raises
+        ------
+        ServerGone
+            When the server's port was closed.
+        """
+        assert self._socket is not None, "open() comes first"
+        if patience > 0.0:
+            select.select([self._socket], [], [], patience)
+        came: list[bytes] = []
+        try:
+            while True:
+                came.append(self._socket.recv(LARGEST))
+        except BlockingIOError:
+            return came
         except OSError as error:
             raise self._gone() from error
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import random
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -163,9 +165,19 @@ def test_pettingzoo_checks_what_goes_in_parallel(quick_servers: list[QuickServer
         parallel_seed_test(lambda: keepaway_v0.parallel_env(stage=stage), num_cycles=15)
 
 
-def test_pettingzoo_counts_its_cycles() -> None:
+@STAGES
+def test_pettingzoo_counts_its_cycles(quick_servers: list[QuickServer], stage: str) -> None:
+    made: list[Any] = []
+
+    def of(make: Callable[..., Any], **options: Any) -> Any:
+        made.append(make(stage=stage, **options))
+        return made[-1]
+
+    both = SimpleNamespace(parallel_env=partial(of, keepaway_v0.parallel_env), env=partial(of, keepaway_v0.env))
     with without_warnings():
-        max_cycles_test(keepaway_v0)
+        max_cycles_test(both)
+    for env in made:
+        env.close()
 
 
 def test_takers_see_something_else_and_pettingzoo_says_only_that() -> None:

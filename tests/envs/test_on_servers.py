@@ -11,12 +11,13 @@ import warnings
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from quick_servers import QuickServer
 from serving import serving
 
-from rcss_hat.envs import KeepawayEnv, MatchFailed
+from rcss_hat.envs import KeepawayEnv, MatchFailed, eye
 from rcss_hat.keepaway.task import Task
 
 Trajectory = list[tuple[Any, ...]]
@@ -140,8 +141,43 @@ def test_no_server_is_said_in_a_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", "")
     with pytest.raises(MatchFailed, match="no executable 'rcssserver' was found"):
         KeepawayEnv(stage="real").reset()
-    with pytest.raises(ValueError, match="arena"):
-        KeepawayEnv(stage="fake", truth=True)
+
+
+def seen(stage: str, steps: int) -> list[tuple[dict[str, Any], str]]:
+    """What is true and what is drawn where play stands, through ends and resets."""
+    env = KeepawayEnv(stage=stage, truth=True, render_mode="ansi")
+    _, info = env.reset(seed=3)
+    told = [(info, env.render())]
+    for k in range(steps):
+        _, _, terminated, _, info = env.step(k % 3)
+        told.append((info, env.render()))
+        if terminated:
+            _, info = env.reset()
+            told.append((info, env.render()))
+    env.close()
+    return told
+
+
+def test_a_monitor_tells_where_everybody_is(quick_servers: list[QuickServer]) -> None:
+    arena, fake = seen("arena", 40), seen("fake", 40)
+    assert len(arena) > 42, "an episode has ended"
+    for (true, drawn), (shown, same) in zip(arena, fake, strict=True):
+        assert true["cycle"] == shown["cycle"] and drawn == same
+        for name, shape in (("ball", (4,)), ("keepers", (3, 4)), ("takers", (2, 4))):
+            assert shown[name].shape == shape
+            np.testing.assert_allclose(shown[name], true[name], atol=5.1e-5)
+    assert nobody_plays() and not quick_servers
+
+
+def test_a_monitor_that_is_shown_nothing_ends_the_match(
+    quick_servers: list[QuickServer], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(eye, "PATIENCE", 0.1)
+    monkeypatch.setattr(eye.Eye, "look", lambda self, patience=0.0: time.sleep(patience))
+    env = KeepawayEnv(stage="fake", truth=True)
+    with pytest.raises(MatchFailed, match="does not show cycle"):
+        env.reset(seed=1)
+    env.close()
 
 
 def test_players_are_not_placed_on_a_server(quick_servers: list[QuickServer]) -> None:
