@@ -123,7 +123,7 @@ export class Replay {
     const { decision } = this;
     if (!decision || !this.actions.includes(action)) return;
     this.stop();
-    decision.right = decision.right === action || (decision.action === action && decision.right === null) ? null : action;
+    decision.right = decision.right === action ? null : action;
     this.viewer.send({ type: "correct", cycle: decision.cycle, action: decision.right });
     this.show();
   }
