@@ -44,6 +44,13 @@ async def opened(chromium: Browser, url: str, complaints: list[str], **options: 
     return page
 
 
+async def seen(page: Page, expression: str) -> None:
+    """Wait until something is so on a page, whose policy forbids to look for it by itself."""
+    async with asyncio.timeout(PATIENCE / 1000):
+        while not await page.evaluate(expression):
+            await asyncio.sleep(0.1)
+
+
 async def free_of_faults(page: Page) -> None:
     """Check that axe finds nothing."""
     from axe_playwright_python.async_playwright import Axe
@@ -120,7 +127,7 @@ async def test_three_participants_at_once(server: StudyServer, chromium: Browser
         await consent(page)
         await begin_game(page)
         await page.keyboard.press("1")
-        await page.wait_for_function("document.getElementById('duration').textContent > '1.0'")
+        await seen(page, "document.getElementById('duration').textContent > '1.0'")
         await page.reload()
         return await to_the_end(page)
 
@@ -162,7 +169,7 @@ async def test_the_other_pages_have_no_faults(server: StudyServer, chromium: Bro
         for scheme in ("light", "dark"):
             page = await opened(chromium, url, [], color_scheme=scheme)
             if url == server.lab_link:
-                await page.wait_for_function("document.querySelectorAll('#places tbody tr').length === 12")
+                await seen(page, "document.querySelectorAll('#places tbody tr').length === 12")
             await free_of_faults(page)
             await page.context.close()
 
@@ -178,7 +185,7 @@ async def test_answers_survive_a_reload_and_a_server_that_is_away(
     assert await page.get_by_role("checkbox").is_checked()
     await page.context.set_offline(True)
     await page.locator("button.go").click()
-    await page.wait_for_function("document.getElementById('connection').textContent.length > 0")
+    await seen(page, "document.getElementById('connection').textContent.length > 0")
     assert server.participants[4].progress.current.name == "consent"
     await page.context.set_offline(False)
     await page.wait_for_selector("#start:visible")
