@@ -241,7 +241,7 @@ async def test_loading_the_page_again_keeps_the_seat(viewer: Viewer, stage: Stag
     second = await open_page(viewer.url)
     await until(second, "viewer.seat === 'taken'")
     await first.reload()
-    await until(first, "viewer.role === 'player'")
+    await until(first, "typeof viewer !== 'undefined' && viewer.role === 'player'")
     assert await second.evaluate("viewer.role") == "watcher"
 
 
