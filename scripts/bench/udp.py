@@ -114,17 +114,18 @@ def pace(sources: Path, stage: list[str], episodes: int) -> Pace:
     return Pace(wall / cycles * 1e6, (processor - start) / (cycles - few) * 1e6)
 
 
-def compare(other: Path, found: str | None, episodes: int, pairs: int) -> None:
+def compare(other: Path, found: str | None, stages: list[str], episodes: int, pairs: int) -> None:
     """Print how much faster this checkout plays than another one."""
     print(f"{'median of ' + str(pairs) + ' pairs (least to most)':<36}{'cycles/s':>22}{'processor time':>22}")
     for name, stage in (("fake", ["--on", "fake"]), ("real", ["--on", "real", "--executable", str(found)])):
-        if name == "real" and found is None:
+        if name not in stages or (name == "real" and found is None):
             continue
         ratios = []
         for k in range(pairs):
             order = (HERE, other) if k % 2 else (other, HERE)  # who begins may find the machine warmer
             took = {sources: pace(sources, stage, episodes) for sources in order}
             ratios.append([took[other][i] / took[HERE][i] for i in range(2)])
+            print(f"pair {k + 1} on {name}: {ratios[-1][0]:.2f}, {ratios[-1][1]:.2f}", file=sys.stderr, flush=True)
         cells = [f"{statistics.median(r):.2f} ({min(r):.2f} to {max(r):.2f})" for r in zip(*ratios, strict=True)]
         print(f"{'our players, ' + name + ' server':<36}{cells[0]:>22}{cells[1]:>22}", flush=True)
 
@@ -136,11 +137,13 @@ def main() -> None:
     parser.add_argument("--episodes", type=int, default=60)
     parser.add_argument("--seconds", type=float, default=15.0, help="how long the C++ players are timed")
     parser.add_argument("--against", type=Path, help="a folder with other sources")
+    parser.add_argument("--only", choices=["fake", "real"], action="append", help="this server, with --against")
     parser.add_argument("--pairs", type=int, default=5, help="matches of each, with --against")
     arguments = parser.parse_args()
     found = find_executable(arguments.executable)
     if arguments.against:
-        return compare(arguments.against.resolve(), found, arguments.episodes, arguments.pairs)
+        stages = arguments.only or ["fake", "real"]
+        return compare(arguments.against.resolve(), found, stages, arguments.episodes, arguments.pairs)
     rows = []
     for stage, executable in (("fake", None), ("real", found)):
         if stage == "real" and found is None:
