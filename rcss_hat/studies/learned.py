@@ -41,7 +41,7 @@ def learned_blocks(folder: StudyFolder, shown: Sequence[Shown], results: Results
 def _trials(results: Results, taught: Sequence[Shown], names: Names) -> str:
     numbers = {len(results.trials[names.participants[s.participant, s.step]]) for s in taught}
     low, high = min(numbers), max(numbers)
-    return f"{low} trials each" if low == high else f"{low} to {high} trials each"
+    return f"{low} trial{'s' * (low > 1)} each" if low == high else f"{low} to {high} trials each"
 
 
 def _sample(results: Results, name: str, measure: str) -> NDArray[np.float64]:

@@ -45,4 +45,5 @@ def test_no_links_and_no_addresses_lie_there() -> None:
 
 def test_its_report_is_beside_it() -> None:
     text = (FOLDER / "report" / "report.md").read_text()
-    assert "These are no people" in text and "How many participants?" in text and "### p012" in text
+    assert "These are no people" in text and "How many participants?" in text
+    assert "Does a person's teaching help?" in text and "| all of normal | 1 |" in text and "### p012" in text
