@@ -93,9 +93,10 @@ def serve(study_file: str, out: Path, port: int, bind: str, public_url: str, job
     Example:
       rcss-hat study serve people --out studies/people --port 8000 --public-url https://lab.example.org/hat/
     """
+    from rcss_hat.studies.address import Address
     from rcss_hat.studies.folder import StudyFolder
     from rcss_hat.studies.links import last_port
-    from rcss_hat.studies.server import Address, StudyServer
+    from rcss_hat.studies.server import StudyServer
 
     found = _loaded(study_file)
     try:

@@ -16,11 +16,12 @@ from typing import Any
 from msgspec.structs import replace
 
 from rcss_hat.numeric.seeds import derived_seed
+from rcss_hat.studies.address import Address
 from rcss_hat.studies.folder import StudyFolder
 from rcss_hat.studies.parts import PeopleStudy
 from rcss_hat.studies.plan import participant_name
 from rcss_hat.studies.scripted import person
-from rcss_hat.studies.server import Address, StudyServer
+from rcss_hat.studies.server import StudyServer
 from rcss_hat.system.files import write_text
 
 STYLES = ("A", "B", "C")

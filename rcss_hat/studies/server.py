@@ -12,12 +12,12 @@ import secrets
 import time
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit
 
 from aiohttp import WSMsgType, web
 
+from rcss_hat.studies.address import Address
 from rcss_hat.studies.answers import NotAnswered, read_answers
 from rcss_hat.studies.folder import Links, StudyFolder
 from rcss_hat.studies.game_page import GamePage
@@ -41,43 +41,6 @@ COOKIE = "rcss_hat_place"
 COOKIE_S = 90 * 24 * 3600
 
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where a study is served.
-
-    Attributes
-    ----------
-    bind : str
-        Interface.
-    port : int
-        0: any that is free.
-    public : str
-        Address that people open, with the path that a reverse proxy gives it; empty: the server's own.
-    """
-
-    bind: str = "127.0.0.1"
-    port: int = 0
-    public: str = ""
-
-    def __post_init__(self) -> None:
-        """Check the public address.
-
-        Raises
-        ------
-        ValueError
-        """
-        parts = urlsplit(self.public)
-        if self.public and (
-            parts.scheme not in ("http", "https") or not parts.hostname or parts.query or parts.fragment
-        ):
-            raise ValueError(f"a public address is http(s)://HOST/PATH/, not {self.public!r}")
-
-    @property
-    def prefix(self) -> str:
-        """Path before all others, without a slash at its end."""
-        return urlsplit(self.public).path.rstrip("/")
 
 
 class StudyServer:

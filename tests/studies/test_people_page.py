@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import pytest_asyncio
 
+from rcss_hat.studies.address import Address
 from rcss_hat.studies.folder import StudyFolder
 from rcss_hat.studies.people_file import load_people
-from rcss_hat.studies.server import Address, StudyServer
+from rcss_hat.studies.server import StudyServer
 
 from .conftest import SMALL
 from .serving import people_of, whole

@@ -14,10 +14,11 @@ from pathlib import Path
 import aiohttp
 import pytest
 
+from rcss_hat.studies.address import Address
 from rcss_hat.studies.folder import StudyFolder
 from rcss_hat.studies.people_file import load_people
 from rcss_hat.studies.scripted import ScriptedParticipant
-from rcss_hat.studies.server import Address, StudyServer
+from rcss_hat.studies.server import StudyServer
 
 from .conftest import SMALL
 from .serving import people_of, whole

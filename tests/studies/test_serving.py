@@ -14,11 +14,12 @@ import aiohttp
 import pytest
 import pytest_asyncio
 
+from rcss_hat.studies.address import Address
 from rcss_hat.studies.folder import StudyFolder
 from rcss_hat.studies.game_files import TABLES
 from rcss_hat.studies.people_file import load_people
 from rcss_hat.studies.scripted import ScriptedParticipant
-from rcss_hat.studies.server import Address, StudyServer
+from rcss_hat.studies.server import StudyServer
 
 from .conftest import SMALL
 from .serving import people_of, served, until, whole
