@@ -6,6 +6,7 @@ sequence of conditions judged by rows that growth has not seen (Cohen 1995, sect
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -66,7 +67,9 @@ def best_step(table: Table, order: NDArray[np.intp], positive: NDArray[np.float6
 
     t = np.stack((totals[:, -1:] - totals + weights, totals), axis=2).ravel()[where]
     p = np.stack((hits[:, -1:] - hits + positives, hits), axis=2).ravel()[where]
-    gain = p * (np.log2((p + 1.0) / (t + 1.0)) - np.log2(rate))
+    # Not NumPy's logarithm, whose last digit depends on the processor: of equal gains another might then win.
+    logarithms = np.array([math.log2(share) for share in ((p + 1.0) / (t + 1.0)).tolist()])
+    gain = p * (logarithms - math.log2(rate))
     best = int(gain.argmax())
     if not gain[best] > 0.0:
         return None

@@ -282,7 +282,9 @@ def rbf(
     centres = np.arange(1 - reach, reach + 1)
     fractions = np.arange(1 << shift)[:, None] / (1 << shift)
     distance = np.abs(centres[None, :] - fractions) / tilings
-    table = np.where(distance < cutoff, np.exp(-(distance**2) / (2.0 * sigma**2)), 0.0)
+    # Not NumPy's exponential, whose last digit depends on the processor.
+    heights = np.array([math.exp(value) for value in (-(distance**2) / (2.0 * sigma**2)).ravel()])
+    table = np.where(distance < cutoff, heights.reshape(distance.shape), 0.0)
     if normalise:
         table /= table.sum(axis=1, keepdims=True)
     return _lay_out(widths, maxima, tilings, shift, offset=0.5, lowest=1 - reach, table=table)

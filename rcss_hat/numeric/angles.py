@@ -54,7 +54,9 @@ def _arctangents() -> NDArray[np.float64]:
     """Taylor coefficients of the arctangent at the cells' ends, shape (_CELLS + 1, 4)."""
     t = np.arange(_CELLS + 1) / _CELLS
     slope = 1.0 / (1.0 + t * t)
-    return np.stack([np.arctan(t), slope, -t * slope**2, (t * t - 1.0 / 3.0) * slope**3], axis=1)
+    # Not NumPy's arctangent and power, whose last digits depend on the processor.
+    arctangents, cubes = np.array([(math.atan(a), s**3) for a, s in zip(t.tolist(), slope.tolist(), strict=True)]).T
+    return np.stack([arctangents, slope, -t * slope**2, (t * t - 1.0 / 3.0) * cubes], axis=1)
 
 
 _ARCTANGENTS = _arctangents()

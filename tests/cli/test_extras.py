@@ -30,8 +30,8 @@ def lacking(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ("watch --on arena --no-open", "web"),
         ("demonstrate --browser --no-open --out {0}/d.csv", "web"),
-        ("experiment {0}/study.toml --out {0}/results", "report"),
-        ("report {0}", "report"),
+        ("experiment {0}/study.toml --out {0}/results", "report,web"),
+        ("report {0}", "report,web"),
     ],
 )
 def test_what_is_missing_is_said_with_what_installs_it(command: str, extra: str, tmp_path: Path) -> None:

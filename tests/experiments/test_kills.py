@@ -36,7 +36,7 @@ def started(folder: Path) -> subprocess.Popen[bytes]:
 
 def workers_of(program: int) -> list[int]:
     """Processes that the experiment has its trials run by."""
-    listed = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True, check=True).stdout
+    listed = subprocess.run(["ps", "-ww", "-eo", "pid,ppid,args"], capture_output=True, text=True, check=True).stdout
     rows = [line.split(None, 2) for line in listed.splitlines()[1:]]
     return [int(pid) for pid, parent, args in rows if int(parent) == program and "LokyProcess" in args]
 
