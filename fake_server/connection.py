@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import socket
 import zlib
-from collections.abc import Iterator
 
 from rcss_hat.protocol.commands import MAX_DATAGRAM
 from rcss_hat.protocol.digits import Buffer
@@ -92,21 +91,26 @@ class Connection:
         except OSError:
             self.close()
 
-    def receive(self) -> Iterator[bytes]:
-        """Take the datagrams that have arrived, decompressed; those that cannot be are left out."""
+    def receive(self) -> list[bytes]:
+        """Return all datagrams that have arrived, decompressed; those that cannot be are left out.
+
+        All before any is answered: what a client sends because of an answer belongs to the next look.
+        """
+        messages: list[bytes] = []
         receive = self.socket.recv
         while self.connected:
             try:
                 data = receive(MAX_DATAGRAM)
             except BlockingIOError:
-                return
+                break
             except OSError:
                 self.close()
-                return
+                break
             if self._level >= 0:
                 data = _decompressed(data)
             if data:
-                yield data
+                messages.append(data)
+        return messages
 
     def close(self) -> None:
         """Have nothing more to do with the client."""

@@ -151,19 +151,12 @@ class Server:
     def _read(self, timeout: float, players: bool) -> None:
         for source in self.clients.wait(timeout, players):
             if not isinstance(source, int):
-                self._hear_out(source)
+                for data in source.connection.receive():
+                    self._take(source, data)
             elif self._reception is not None:
                 for client, reaction in self._reception.read(source):
                     self._do(client, reaction)
         self._remove_disconnected()
-
-    def _hear_out(self, client: Client) -> None:
-        """Take what a client has sent; what a player sends after ``(done)`` is left for the next look."""
-        waited_for = isinstance(client, PlayerClient) and not client.done
-        for data in client.connection.receive():
-            self._take(client, data)
-            if waited_for and client.done:  # type: ignore[union-attr]
-                break
 
     def _take(self, client: Client, data: bytes) -> None:
         self._log(client, data)
