@@ -23,6 +23,7 @@ from rcss_hat.keepaway.decision import Decide, EpisodeEnd, Onlooker, legal_actio
 from rcss_hat.keepaway.endings import Endings
 from rcss_hat.keepaway.moved import NEVER, forget_sightings, new_sightings, somebody_was_moved
 from rcss_hat.keepaway.orders import Orders
+from rcss_hat.keepaway.patience import KEPT, KEPT_BYTES, ON_THE_WAY, OVERDUE, OVERTAKEN, SILENT, WAIT_FOR_SEE
 from rcss_hat.keepaway.state import n_state_variables
 from rcss_hat.keepaway.warm_up import warm_up
 from rcss_hat.keepaway.whereabouts import shares_corner
@@ -37,20 +38,8 @@ from rcss_hat.protocol.sense_body import parse_sense_body
 
 DONE = b"(done)\0"
 EPISODE_END, DROP_BALL = "training Keepaway 1", "drop_ball"
-WAIT_FOR_SEE, ON_THE_WAY = 0.75, 0.008
-"""Part of a real-time cycle after which a player no longer waits for a see message; seconds of the cycle that must be
-left then for the commands to come in time, but not more than half of it."""
-OVERDUE, SILENT = 0.1, 0.4
-"""Synch mode on a troubled network: seconds from a sense_body after which a player answers without ``(think)`` when an
-odd one came before, and seconds of silence after which it answers in any case, or says ``(done)`` again. A server waits
-1.25 s for an answer; delays of 150 ms either way are no reason for another one."""
-OVERTAKEN = 100
-"""Cycles by which a message may be late; one that is older tells that the server's clock was set back."""
-KEPT, KEPT_BYTES = 8, 200
-"""How many messages that a player does not know are kept, and how much of each."""
 SHARED_CORNER = "one corner"
 """How `KeepawayPlayer.stopped_by` begins when the server counts fewer keepers than there are."""
-_BEFORE = "before_kick_off"
 
 
 class KeepawayPlayer:
@@ -214,7 +203,7 @@ class KeepawayPlayer:
         time, before = int(sense["time"][0]), self.cycle
         if self._has_sense and time != before + 1 and not self._in_order(time):
             return
-        if self._has_sense and not self.playing and self.mode == _BEFORE and time > before:
+        if self._has_sense and not self.playing and self.mode == "before_kick_off" and time > before:
             self._kick_off(before)  # cycles are counted from the kick-off on
         elif self._has_sense and self.playing and not self._acted and not (self.synch and before == self._begun):
             self.missed += 1
@@ -315,8 +304,7 @@ class KeepawayPlayer:
             self.told = dict(event.values)
         elif isinstance(event, (messages.Unknown, messages.Error, messages.Warning)):
             self.unknown += 1
-            if len(self.odd) < KEPT:
-                self.odd.append(data[:KEPT_BYTES])
+            self.odd += [data[:KEPT_BYTES]] if len(self.odd) < KEPT else []
 
     # -- acting -------------------------------------------------------------------------------------------------------
     def wait(self) -> float | None:

@@ -24,7 +24,7 @@ def _source(module: str) -> str | None:
         except (ImportError, ValueError):
             return None
         path = spec.origin if spec else None
-    return Path(path).read_text() if path and path.endswith(".py") else None
+    return Path(path).read_text(encoding="utf-8") if path and path.endswith(".py") else None
 
 
 def _imports(source: str, module: str = "", roots: Collection[str] = PACKAGES) -> set[str]:

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from protocol.mutations import mutated
 from protocol.recorded import received
 
-from rcss_hat.keepaway.session import DONE, WAIT_FOR_SEE, KeepawayPlayer
+from rcss_hat.keepaway.patience import WAIT_FOR_SEE
+from rcss_hat.keepaway.session import DONE, KeepawayPlayer
 from rcss_hat.protocol import messages
 from rcss_hat.protocol.commands import parse_commands
 from rcss_hat.protocol.errors import RemoteProtocolError

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rcss_hat.keepaway.endings import Endings
-from rcss_hat.keepaway.session import DONE, KEPT, KEPT_BYTES, OVERDUE, SILENT, KeepawayPlayer
+from rcss_hat.keepaway.patience import KEPT, KEPT_BYTES, OVERDUE, SILENT
+from rcss_hat.keepaway.session import DONE, KeepawayPlayer
 from rcss_hat.keepaway.whereabouts import Whereabouts
 from rcss_hat.protocol import messages
 
