@@ -110,13 +110,15 @@ async def answer(page: Page) -> None:
 async def to_the_end(page: Page, key: str | None = "1") -> str:
     """Go from the first game to the end; returns the code."""
     while not await page.locator(".code strong").count():
-        await page.wait_for_selector("#start:visible, #step, .code strong")
+        await page.wait_for_selector("#start:visible, #step, .code strong, #game:visible")
         if await page.locator("#start:visible").count():
             await begin_game(page)
             await play(page, key)
         elif await page.locator("#step").count():
             await answer(page)
             await page.wait_for_load_state()
+        elif await page.locator("#game:visible").count():  # it has begun before the page was loaded again
+            await play(page, key)
     return str(await page.locator(".code strong").inner_text())
 
 
