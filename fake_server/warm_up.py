@@ -30,7 +30,7 @@ NEWEST = 19
 KERNELS = (
     "fake_server.text",
     "fake_server.show",
-    *(f"rcss_hat.simulation.{name}" for name in ("body", "clock", "commands", "cycle", "hearing", "vision")),
+    *(f"rcss_hat.simulation.{name}" for name in ("body", "clock", "commands", "cycle")),
 )
 
 
