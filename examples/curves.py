@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import sys
 from collections.abc import Callable, Sequence
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
@@ -33,12 +33,21 @@ def mean_duration(choose: Choose, episodes: int = 200, seed: int = 1000, **setti
     return float(np.mean([duration for match in durations for duration in match[:wanted]])) / 10.0
 
 
+def is_there(package: str) -> bool:
+    """Whether a package is installed; not every example needs all."""
+    try:
+        return bool(version(package))
+    except PackageNotFoundError:
+        return False
+
+
 def write_curve(name: str, rows: Sequence[tuple[int, float]], note: str, x: str = "steps") -> None:
     """Write a learning curve: a table with what made it, and a figure."""
     import matplotlib.pyplot as plt
 
     OUT.mkdir(parents=True, exist_ok=True)
-    packages = ("numpy", "torch", "stable-baselines3", "gymnasium", "pettingzoo", "scikit-learn")
+    known = ("numpy", "torch", "stable-baselines3", "gymnasium", "pettingzoo", "scikit-learn")
+    packages = [package for package in known if is_there(package)]
     with (OUT / f"{name}.csv").open("w", newline="") as file:
         file.write(f"# python {' '.join(sys.argv)}\n# {note}\n")
         file.write("# " + ", ".join(f"{package} {version(package)}" for package in packages) + "\n")

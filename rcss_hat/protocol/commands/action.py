@@ -125,6 +125,8 @@ def read_action(data: bytes, action: NDArray[np.void]) -> int:
 
     Examples
     --------
+    >>> from rcss_hat.protocol.records import ACTION, empty
+    >>> action = empty(ACTION)
     >>> read_action(b"(dash 100)(turn_neck -5)(done)\0", action)
     3
     >>> read_action(b"(dash 1e2)\0", action)
