@@ -9,15 +9,17 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
+from importlib.resources import files
+from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import msgspec
 from msgspec import Meta, Struct
 
-from rcss_hat.inputs import MAX_NESTING, NAME, FileFormatError, excerpt
+from rcss_hat.inputs import MAX_NESTING, NAME, FileFormatError, excerpt, read_text
 
 T = TypeVar("T")
 MAX_TOML = 2 * 2**20
@@ -73,6 +75,38 @@ def parse_toml(text: str) -> dict[str, Any]:
     if layer:
         raise FileFormatError(f"nested more than {MAX_NESTING} levels deep")
     return data
+
+
+def toml_text(name_or_path: str, package: str, names: Sequence[str]) -> tuple[str, Path]:
+    """Return the text of a study that a package has in ``conditions``, or of a file.
+
+    Parameters
+    ----------
+    name_or_path : str
+    package : str
+    names : sequence of str
+        Studies that the package has.
+
+    Returns
+    -------
+    str, Path
+        The text, and the folder its file names are relative to.
+
+    Raises
+    ------
+    FileFormatError
+        When there is none, or it is no text.
+    """
+    if name_or_path in names:
+        resource = files(package) / "conditions" / f"{name_or_path}.toml"
+        return resource.read_text(encoding="utf-8"), Path.cwd()
+    path = Path(name_or_path)
+    if not path.is_file():
+        near, known = did_you_mean(name_or_path, names), ", ".join(names)
+        raise FileFormatError(
+            f"no study {name_or_path!r}: there are {known}, or give a TOML file of the same form{near}"
+        )
+    return read_text(path, "study", MAX_TOML), path.resolve().parent
 
 
 def read(kind: type[T], data: Any, where: str) -> T:

@@ -45,10 +45,10 @@ from rcss_hat.experiments.study_parts import (
 )
 from rcss_hat.hat.teachers import style
 from rcss_hat.hat.transfer import make_method
-from rcss_hat.inputs import FileFormatError, check_name, read_text
+from rcss_hat.inputs import FileFormatError, check_name
 from rcss_hat.learning.config import LearnerConfig, load_config
 from rcss_hat.numeric.seeds import derived_seed
-from rcss_hat.schema import MAX_TOML, did_you_mean, parse_toml, read
+from rcss_hat.schema import parse_toml, read, toml_text
 
 Named = TypeVar("Named", Table, Figure, StageComparison)
 
@@ -67,16 +67,8 @@ def study_text(name_or_path: str) -> tuple[str, Path]:
     StudyError
         When there is none.
     """
-    if name_or_path in study_names():
-        resource = files("rcss_hat.experiments") / "conditions" / f"{name_or_path}.toml"
-        return resource.read_text(encoding="utf-8"), Path.cwd()
-    path = Path(name_or_path)
-    if not path.is_file():
-        known = ", ".join(study_names())
-        near = did_you_mean(name_or_path, study_names())
-        raise StudyError(f"no study {name_or_path!r}: there are {known}, or give a TOML file of the same form{near}")
     try:
-        return read_text(path, "study", MAX_TOML), path.resolve().parent
+        return toml_text(name_or_path, "rcss_hat.experiments", study_names())
     except FileFormatError as problem:
         raise StudyError(str(problem)) from problem
 

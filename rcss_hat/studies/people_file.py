@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from rcss_hat.inputs import FileFormatError, check_name, excerpt, read_text
-from rcss_hat.schema import MAX_TOML, did_you_mean, parse_toml, read
+from rcss_hat.schema import MAX_TOML, did_you_mean, parse_toml, read, toml_text
 from rcss_hat.studies.parts import (
     STEPS,
     Condition,
@@ -58,15 +58,8 @@ def people_text(name_or_path: str) -> tuple[str, Path]:
     PeopleError
         When there is none.
     """
-    if name_or_path in people_names():
-        resource = files("rcss_hat.studies") / "conditions" / f"{name_or_path}.toml"
-        return resource.read_text(encoding="utf-8"), Path.cwd()
-    path = Path(name_or_path)
-    if not path.is_file():
-        known = ", ".join(people_names())
-        raise PeopleError(f"no study {name_or_path!r}: there are {known}, or give a TOML file of the same form")
     try:
-        return read_text(path, "study", MAX_TOML), path.resolve().parent
+        return toml_text(name_or_path, "rcss_hat.studies", people_names())
     except FileFormatError as problem:
         raise PeopleError(str(problem)) from problem
 
