@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeVar, cast
 
@@ -12,14 +10,14 @@ import numba
 from numba import config, types
 from numba.core.cpu import CPUTargetOptions
 
-from rcss_hat.numeric import parts
+from rcss_hat.numeric import lean, parts
 from rcss_hat.numeric.cache_folders import own_folder, readable_folders
 from rcss_hat.numeric.kernel_cache import Caches
 
 F = TypeVar("F", bound=Callable[..., Any])
 _LEAN: dict[str, Any] = {"no_cfunc_wrapper": True}  # for callers in C, of which there are none
 _SMALL_INTEGERS = (types.int8, types.uint8, types.int16, types.uint16, types.int32, types.uint32)
-_BARE: dict[str, Any] = {"error_model": "numpy"}
+_BARE: dict[str, Any] = {"error_model": "numpy", "pipeline_class": lean.Pipeline}
 if hasattr(CPUTargetOptions, "_nrt"):  # numba keeps it undocumented; without it kernels are slower, not wrong
     _BARE["_nrt"] = False
 
@@ -111,11 +109,11 @@ def _call_parts(kernel: Any) -> None:
 
     def resolve_widened(args: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
         widened = tuple(_widened(a) for a in args), {name: _widened(a) for name, a in keywords.items()}
-        with _no_collections():
+        with lean.undisturbed():
             return part().get_call_template(*widened) if parts.SUPPORTED else resolve(*widened)
 
     def compile_whole(signature: Any) -> Any:
-        with _no_collections():
+        with lean.undisturbed():
             entry = compile_kernel(signature)
         if parts.SUPPORTED:
             parts.set_environments(next(reversed(kernel.overloads.values())))
@@ -123,18 +121,6 @@ def _call_parts(kernel: Any) -> None:
 
     kernel.get_call_template, kernel.compile = resolve_widened, compile_whole
     kernel.get_overload = lambda signature: part().get_overload(signature) if parts.SUPPORTED else overload(signature)
-
-
-@contextlib.contextmanager
-def _no_collections() -> Iterator[None]:
-    """Put off the garbage collector, which takes a third of the time of a compiler that keeps all it makes."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
 
 
 def _widened(kind: Any) -> Any:

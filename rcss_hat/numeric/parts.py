@@ -11,11 +11,13 @@ of numba lacks it. Then everything is compiled as numba does, which takes longer
 from __future__ import annotations
 
 import copy
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 from llvmlite import binding as llvm
-from numba.core import codegen, compiler, cpu, dispatcher, registry, types
+from numba.core import codegen, cpu, dispatcher, registry
+
+from rcss_hat.numeric import lean
 
 SUPPORTED = all(
     hasattr(owner, name)
@@ -100,7 +102,7 @@ class _Codegen(codegen.JITCPUCodegen):
         """Do nothing: there is no machine code yet that could want it; see `set_environments`."""
 
 
-class _Context(cpu.CPUContext):
+class _Context(lean.Machine):
     def get_executable(self, library: Any, fndesc: Any, env: Any) -> Any:
         """Return a name for the function; nobody can call it from Python."""
         return object()
@@ -128,7 +130,7 @@ class _WholeCodegen(codegen.JITCPUCodegen):
 class _Target(registry.CPUTarget):
     """The machine numba compiles for, with its state; only libraries are made in another way."""
 
-    def __init__(self, context: type[cpu.CPUContext], generator: type[codegen.JITCPUCodegen]) -> None:
+    def __init__(self, context: type[lean.Machine], generator: type[codegen.JITCPUCodegen]) -> None:
         super().__init__("cpu")
         self._classes = context, generator
 
@@ -137,47 +139,15 @@ class _Target(registry.CPUTarget):
         context = copy.copy(registry.cpu_target.target_context)
         context._internal_codegen = copy.copy(context._internal_codegen)
         context.__class__, context._internal_codegen.__class__ = self._classes
+        context.typing_context, context._sizes = self.typing_context, {}
         return context
 
     @property
     def typing_context(self) -> Any:
-        return registry.cpu_target.typing_context
+        return lean.typing_context()
 
 
-_WHOLE = _Target(cpu.CPUContext, _WholeCodegen)
-
-
-@cache
-def _described(record: Any) -> str:
-    return str(_describe(record))
-
-
-_Record: Any = types.Record
-_describe = _Record.__repr__
-_Record.__repr__ = _described  # numba spells out all fields of a record thousands of times, a tenth of its time
-
-
-class _Flags(compiler.Flags):
-    """Flags of a compilation that are quick to compare, which numba does some 50 times per line it compiles."""
-
-    __slots__ = ()
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, _Flags):
-            return bool(self._values == other._values)
-        return bool(super().__eq__(other))
-
-    def __hash__(self) -> int:
-        return len(self._values)
-
-    def __str__(self) -> str:
-        return "flags"  # for numba's events, which nobody here reads
-
-    __repr__ = __str__
-
-
-def _compare_flags_quickly(kernel: Any) -> None:
-    kernel._compiler._customize_flags = _Flags
+_WHOLE = _Target(lean.Machine, _WholeCodegen)
 
 
 def link_closely(kernel: Any) -> None:
@@ -187,7 +157,7 @@ def link_closely(kernel: Any) -> None:
     ----------
     kernel : numba dispatcher
     """
-    _compare_flags_quickly(kernel)
+    lean.compare_flags_quickly(kernel)
     kernel._compiler.targetdescr = _WHOLE
 
 
@@ -203,8 +173,9 @@ class Part(registry.CPUDispatcher):
     targetdescr = _Target(_Context, _Codegen)
 
     def __init__(self, kernel: Any) -> None:
-        super().__init__(kernel.py_func, kernel.locals, {**kernel.targetoptions, "no_cpython_wrapper": True})
-        _compare_flags_quickly(self)
+        options = {**kernel.targetoptions, "no_cpython_wrapper": True}
+        super().__init__(kernel.py_func, kernel.locals, options, kernel._compiler.pipeline_class)
+        lean.compare_flags_quickly(self)
 
     def add_overload(self, result: Any) -> None:
         """Keep a compiled specialisation, for compiled callers only."""
