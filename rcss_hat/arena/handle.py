@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import config
 from numpy.typing import NDArray
 
 from rcss_hat.arena.loop import run
@@ -20,13 +19,10 @@ from rcss_hat.arena.records import CONTROL, DECISION, FRAME, ORDER, Logs, Team
 from rcss_hat.hat.brains import Brains
 from rcss_hat.hat.policy import load_policy
 from rcss_hat.hat.rule_rows import RULE_ROW
-from rcss_hat.hat.transfer.method import METHOD
 from rcss_hat.keepaway.state import state_variables
 from rcss_hat.keepaway.taker_state import taker_state_variables
 from rcss_hat.keepaway.task import Task
-from rcss_hat.learning.features import FEATURES
-from rcss_hat.learning.sarsa import LEARNER
-from rcss_hat.numeric.addresses import array_at
+from rcss_hat.numeric.addresses import address_of, array_at
 from rcss_hat.numeric.jit import inlined, kernel
 from rcss_hat.player.records import AGENT
 from rcss_hat.protocol.params import PARAMS
@@ -55,10 +51,10 @@ class Lens(NamedTuple):
 @inlined
 def _world(h: Numbers) -> World:
     return World(
-        array_at(h[12], (1,), MATCH),
-        array_at(h[13], (1,), PARAMS),
-        array_at(h[14], (h[0],), PLAYER_TYPE),
-        array_at(h[15], (h[1], 4), _U8),
+        array_at(h[14], (1,), MATCH),
+        array_at(h[15], (1,), PARAMS),
+        array_at(h[16], (h[0],), PLAYER_TYPE),
+        array_at(h[17], (h[1], 4), _U8),
     )
 
 
@@ -66,49 +62,37 @@ def _world(h: Numbers) -> World:
 def _team(h: Numbers) -> Team:
     n = h[2]
     return Team(
-        array_at(h[16], (n,), AGENT),
-        array_at(h[17], (n,), _I8),
-        array_at(h[18], (n,), _U1),
-        array_at(h[19], (1,), SENSE_BODY),
-        array_at(h[20], (1,), HEARD),
-        array_at(h[21], (n,), SEE),
-        array_at(h[22], (n,), _U1),
-        array_at(h[23], (h[3],), _U1),
-        array_at(h[24], (h[4],), _U1),
-        array_at(h[25], (n,), ACTION),
-        array_at(h[26], (h[5],), _F8),
-        array_at(h[27], (n,), ORDER),
-        array_at(h[28], (h[6],), _F8),
-        array_at(h[29], (1,), _U1),
+        array_at(h[18], (n,), AGENT),
+        array_at(h[19], (n,), _I8),
+        array_at(h[20], (n,), _U1),
+        array_at(h[21], (1,), SENSE_BODY),
+        array_at(h[22], (1,), HEARD),
+        array_at(h[23], (n,), SEE),
+        array_at(h[24], (n,), _U1),
+        array_at(h[25], (h[3],), _U1),
+        array_at(h[26], (h[4],), _U1),
+        array_at(h[27], (n,), ACTION),
+        array_at(h[28], (h[5],), _F8),
+        array_at(h[29], (n,), ORDER),
+        array_at(h[30], (h[6],), _F8),
+        array_at(h[31], (1,), _U1),
     )
 
 
 @inlined
 def _brains(h: Numbers) -> Brains:
     keepers = h[8]
-    return Brains(
-        h[7],
-        keepers,
-        h[9],
-        array_at(h[30], (1,), RULE_ROW),
-        array_at(h[31], (1,), _U1),
-        array_at(h[32], (1,), METHOD),
-        array_at(h[33], (keepers,), LEARNER),
-        array_at(h[34], (keepers, 4), _U8),
-        array_at(h[35], (1,), FEATURES),
-        array_at(h[36], (1, 1), _F8),
-        array_at(h[37], (keepers, 1, 1), _F8),
-        array_at(h[38], (keepers, 0, 0), _F8),
-    )
+    rules, streams = array_at(h[32], (h[12],), RULE_ROW), array_at(h[33], (keepers, 4), _U8)
+    return Brains(h[7], keepers, h[9], rules, streams, array_at(h[34], (h[13],), _I8))
 
 
 @inlined
 def _logs(h: Numbers) -> Logs:
     return Logs(
-        array_at(h[39], (1,), EPISODE),
-        array_at(h[40], (h[10],), DECISION),
-        array_at(h[41], (h[10], h[5]), _F8),
-        array_at(h[42], (h[11],), FRAME),
+        array_at(h[35], (1,), EPISODE),
+        array_at(h[36], (h[10],), DECISION),
+        array_at(h[37], (h[10], h[5]), _F8),
+        array_at(h[38], (h[11],), FRAME),
     )
 
 
@@ -134,11 +118,11 @@ def _tell(world: World, team: Team, control: Records, lens: Lens, told: Numbers)
 
 @kernel
 def _resume(h: Numbers, choice: int) -> int:
-    world, team, control = _world(h), _team(h), array_at(h[43], (1,), CONTROL)
+    world, team, control = _world(h), _team(h), array_at(h[39], (1,), CONTROL)
     reason = _go_on(world, team, _brains(h), control, _logs(h), choice)
     n = h[5]
-    lens = Lens(array_at(h[45], (n,), _F8), array_at(h[46], (n,), _F8), array_at(h[47], (n,), _F4))
-    _tell(world, team, control, lens, array_at(h[44], (N_TOLD,), _I8))
+    lens = Lens(array_at(h[41], (n,), _F8), array_at(h[42], (n,), _F8), array_at(h[43], (n,), _F4))
+    _tell(world, team, control, lens, array_at(h[40], (N_TOLD,), _I8))
     return reason
 
 
@@ -156,8 +140,8 @@ def _look_around(team: Team, keepers: int, scratch: Records, views: Views, known
 @kernel
 def _look(h: Numbers) -> None:
     n, width = h[2], max(h[5], h[6])
-    scratch = array_at(h[48], (1,), AGENT)
-    _look_around(_team(h), h[8], scratch, array_at(h[49], (n, width), _F8), array_at(h[50], (n,), _U1))
+    scratch = array_at(h[44], (1,), AGENT)
+    _look_around(_team(h), h[8], scratch, array_at(h[45], (n, width), _F8), array_at(h[46], (n,), _U1))
 
 
 class Handle:
@@ -187,34 +171,23 @@ class Handle:
 
     def __init__(self, match: ArenaMatch, scale: NDArray[np.float64], high: NDArray[np.float64]) -> None:
         self.told, self.seen = np.zeros(N_TOLD, dtype=np.int64), np.zeros(len(scale), dtype=np.float32)
-        self._match, self._lens = match, Lens(np.ascontiguousarray(scale), np.ascontiguousarray(high), self.seen)
+        lens = Lens(np.ascontiguousarray(scale), np.ascontiguousarray(high), self.seen)
         world, team, brains, logs = match.world, match.team, match.brains, match.logs
         sizes = [
             len(world.types), len(world.streams), len(team.agents), len(team.due), len(team.landmarks), len(team.state),
             len(team.taker_state), brains.kind, brains.keepers, brains.takers, len(logs.decisions), len(logs.frames),
+            len(brains.rules), len(brains.learners),
         ]  # fmt: skip
-        self._scratch = np.zeros(1, dtype=AGENT)
         self.views = np.zeros((len(team.agents), max(len(team.state), len(team.taker_state))))
         self.known = np.zeros(len(team.agents), dtype=np.uint8)
-        looks = [self._scratch, self.views, self.known]
-        self._arrays = [*world, *team, *brains[3:], *logs, match.control, self.told, *self._lens, *looks]
-        self._numbers = np.array([*sizes, *(array.ctypes.data for array in self._arrays)], dtype=np.int64)
-        settings: Any = config
-        self._plain = bool(settings.DISABLE_JIT)
-        self.resume: Callable[[int], int] = self._resume_plainly if self._plain else partial(_resume, self._numbers)
-
-    def _resume_plainly(self, choice: int) -> int:
-        match = self._match
-        reason = _go_on(match.world, match.team, match.brains, match.control, match.logs, choice)
-        _tell(match.world, match.team, match.control, self._lens, self.told)
-        return reason
+        looks = [np.zeros(1, dtype=AGENT), self.views, self.known]
+        self._arrays = [*world, *team, *brains[3:], *logs, match.control, self.told, *lens, *looks]
+        self._numbers = np.array([*sizes, *map(address_of, self._arrays)], dtype=np.int64)
+        self.resume: Callable[[int], int] = partial(_resume, self._numbers)
 
     def look_around(self) -> None:
         """Compute what everybody believes: ``views`` and ``known``."""
-        if self._plain:
-            _look_around(self._match.team, self._match.task.keepers, self._scratch, self.views, self.known)
-        else:
-            _look(self._numbers)
+        _look(self._numbers)
 
 
 def warm_up() -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numba import config
 from numpy.typing import NDArray
 
 from rcss_hat.arena.records import CONTROL, DECISION, FRAME, ORDER
@@ -13,10 +10,7 @@ from rcss_hat.arena.vector_loop import play_rows
 from rcss_hat.arena.vector_records import LANE, Batch, Part
 from rcss_hat.hat.brains import EXTERNAL, Brains
 from rcss_hat.hat.rule_rows import RULE_ROW
-from rcss_hat.hat.transfer.method import METHOD
-from rcss_hat.learning.features import FEATURES
-from rcss_hat.learning.sarsa import LEARNER
-from rcss_hat.numeric.addresses import array_at
+from rcss_hat.numeric.addresses import address_of, array_at
 from rcss_hat.numeric.jit import inlined, releasing
 from rcss_hat.player.records import AGENT
 from rcss_hat.protocol.params import PARAMS
@@ -48,18 +42,14 @@ def _batch(h: Numbers) -> Batch:
 @inlined
 def _brains(h: Numbers) -> Brains:
     keepers = h[8]
-    return Brains(
-        EXTERNAL, keepers, h[1] - keepers, array_at(h[38], (1,), RULE_ROW), array_at(h[39], (1,), _U1),
-        array_at(h[40], (1,), METHOD), array_at(h[41], (keepers,), LEARNER), array_at(h[42], (keepers, 4), _U8),
-        array_at(h[43], (1,), FEATURES), array_at(h[44], (1, 1), _F8), array_at(h[45], (keepers, 1, 1), _F8),
-        array_at(h[46], (keepers, 0, 0), _F8),
-    )  # fmt: skip
+    rules, streams = array_at(h[38], (1,), RULE_ROW), array_at(h[39], (keepers, 4), _U8)
+    return Brains(EXTERNAL, keepers, h[1] - keepers, rules, streams, array_at(h[40], (2,), _I8))
 
 
 @releasing
 def _play(h: Numbers, first: int, last: int, max_cycles: int, goes_on: bool) -> int:
     part = Part(first, last, max_cycles, goes_on)
-    return play_rows(_batch(h), _brains(h), array_at(h[47], (h[0],), _I8), part)
+    return play_rows(_batch(h), _brains(h), array_at(h[41], (h[0],), _I8), part)
 
 
 class VectorHandle:
@@ -69,23 +59,20 @@ class VectorHandle:
     ----------
     batch : Batch
     brains : Brains
-        Of kind EXTERNAL, without weights.
+        Of kind EXTERNAL.
     rows : ndarray of int64, shape (matches,)
         See `rcss_hat.arena.vector_loop.play_rows`.
     """
 
     def __init__(self, batch: Batch, brains: Brains, rows: NDArray[np.int64]) -> None:
-        self._arrays = batch, brains, rows
         sizes = [
             *batch.agents.shape, batch.states.shape[1], batch.taker_states.shape[1], len(batch.types),
             batch.streams.shape[1], batch.due.shape[1], len(batch.landmarks), len(batch.decisions),
         ]  # fmt: skip
         arrays = [*batch, *brains[3:], rows]
-        assert all(array.flags.c_contiguous for array in arrays), "an address tells no strides"
-        self._numbers = np.array([*sizes, *(array.ctypes.data for array in arrays)], dtype=np.int64)
-        settings: Any = config
-        self._plain = bool(settings.DISABLE_JIT)
+        self._arrays = arrays
+        self._numbers = np.array([*sizes, *map(address_of, arrays)], dtype=np.int64)
 
     def play(self, part: Part) -> int:
         """Let some matches do what they are doing; see `rcss_hat.arena.vector_loop.play_rows`."""
-        return play_rows(*self._arrays, part) if self._plain else _play(self._numbers, *part)
+        return _play(self._numbers, *part)

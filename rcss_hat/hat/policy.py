@@ -63,9 +63,12 @@ class TeamPolicy:
         What the function took over UDP; not counted in the arena, which waits.
     onlooker : Onlooker or None
         Who looks over the players' shoulders, where they play over UDP.
+    learners : Learners or None
+        Who decides, where they learn or have learned.
     """
 
     onlooker: Onlooker | None = None
+    learners: Learners | None = None
 
     def __init__(
         self,
@@ -208,7 +211,9 @@ RUN_WEIGHTS, RUN_RULES = "learners.npz", "rules.json"
 def learners_policy(learners: Learners, rules: DecisionList | None, spec: str = "learned") -> TeamPolicy:
     """Let learners play; they go on learning unless switched off (`Learners.set_mode`)."""
     brains = learned_brains(learners, rules.to_arrays() if rules is not None else None)
-    return TeamPolicy(spec, brains, learners.n_keepers, learners.n_takers, learners.config.hold_cycles)
+    policy = TeamPolicy(spec, brains, learners.n_keepers, learners.n_takers, learners.config.hold_cycles)
+    policy.learners = learners
+    return policy
 
 
 def run_rules(folder: Path, learners: Learners) -> DecisionList | None:

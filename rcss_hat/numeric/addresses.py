@@ -2,12 +2,36 @@
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
-from numba import types
+import numpy as np
+from numba import config, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numba.np.arrayobj import get_itemsize, make_array, populate_array
+from numpy.typing import DTypeLike, NDArray
+
+
+def address_of(array: NDArray[Any]) -> int:
+    """Return where an array begins.
+
+    Raises
+    ------
+    ValueError
+        When its elements do not lie one after the other, in C's order: an address tells no strides.
+    """
+    if not array.flags.c_contiguous:
+        raise ValueError("an address stands for an array in C's order, without gaps")
+    return int(array.ctypes.data)
+
+
+def _plain_array_at(address: int, shape: tuple[int, ...], dtype: DTypeLike) -> NDArray[Any]:
+    kind, count = np.dtype(dtype), int(np.prod(shape))
+    if count == 0:
+        return np.zeros(shape, dtype=kind)
+    memory = (ctypes.c_byte * (count * kind.itemsize)).from_address(int(address))
+    return np.ctypeslib.as_array(memory).view(kind).reshape(shape)
 
 
 def _array_at(typing_context: Any, address: Any, shape: Any, dtype: Any) -> Any:
@@ -31,6 +55,7 @@ def _array_at(typing_context: Any, address: Any, shape: Any, dtype: Any) -> Any:
     return kind(types.int64, shape, dtype), generate
 
 
-array_at: Any = intrinsic(_array_at)
-"""In kernels, ``array_at(address, shape, dtype)`` is the array that begins at an address; ``shape`` is a tuple of int,
+_settings: Any = config
+array_at: Any = _plain_array_at if _settings.DISABLE_JIT else intrinsic(_array_at)
+"""``array_at(address, shape, dtype)`` is the array that begins at an address; ``shape`` is a tuple of int,
 ``dtype`` a constant of the module. Whoever has the address sees to it that the array lives as long."""

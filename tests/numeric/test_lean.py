@@ -43,7 +43,8 @@ def test_only_kernels_are_compiled_without_some_passes() -> None:
 
     @jit.kernel
     def comprehends(numbers: Any) -> float:
-        return [2.0 * x for x in numbers][0]
+        doubled = [2.0 * x for x in numbers]
+        return doubled[0]
 
     with pytest.raises(numba.core.errors.NumbaError):
         comprehends(np.arange(3.0))

@@ -3,6 +3,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -96,3 +97,15 @@ def test_whole_degrees_are_not_cut_below_themselves() -> None:
         way = degrees * angles.DEG
         exact = int(angles.normalize_radians(math.atan2(math.sin(way), math.cos(way)) - 0.0) * angles.RAD)
         assert angles.cut_degrees(math.cos(way), math.sin(way), 0.0, 0.0) == exact
+
+
+def test_arrays_are_found_by_their_addresses() -> None:
+    from rcss_hat.numeric.addresses import _plain_array_at, address_of
+
+    numbers = np.arange(6.0).reshape(2, 3)
+    found = _plain_array_at(address_of(numbers), (2, 3), np.dtype("f8"))
+    found[1, 2] = -1.0
+    assert numbers[1, 2] == -1.0
+    assert _plain_array_at(0, (2, 0), np.dtype("f8")).shape == (2, 0)
+    with pytest.raises(ValueError, match="in C's order"):
+        address_of(numbers[:, ::2])

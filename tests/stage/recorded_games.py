@@ -102,11 +102,12 @@ def in_arena(game: Game) -> dict[str, str]:
             for d in match.take_decisions()
         ]
     end = episodes[FIRST - 1].end
-    weights = np.ascontiguousarray(policy.brains.weights).tobytes()
+    learners = policy.learners
+    weights = np.zeros(game.task.keepers) if learners is None else learners.weights
     return {
         "first": digest(episodes[:FIRST], sorted(d for d in decisions if d[0] < end)),
         "all": digest(episodes, sorted(decisions)),
-        "weights": hashlib.sha256(weights).hexdigest()[:16],
+        "weights": hashlib.sha256(np.ascontiguousarray(weights).tobytes()).hexdigest()[:16],
     }
 
 

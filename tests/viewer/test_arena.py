@@ -115,23 +115,20 @@ def test_only_learned_policies_have_values() -> None:
 
 
 def test_values_of_a_learned_policy_are_those_it_plays_by() -> None:
-    from rcss_hat.hat.brains import LEARNED, learned_brains
+    from rcss_hat.hat.policy import learners_policy
     from rcss_hat.hat.transfer import Learners, NoPrior
     from rcss_hat.learning.config import load_config
 
     learners = Learners.create(load_config("paper"), NoPrior(), seed=1)
-    brains = learned_brains(learners)
-    assert brains.kind == LEARNED
-    brains.weights[1, 2] += 0.125
-    team = TeamPolicy("learned", brains, 3, 2)
-    values = values_of(team)
+    learners.weights[1, 2] += 0.125
+    values = values_of(learners_policy(learners, None))
     assert values is not None
-    before = brains.records.copy()
+    before = learners.records.copy()
     state = np.linspace(2.0, 20.0, 13)
     found = values(2, state)
     assert found is not None and len(found) == 3 and found[2] > found[0] == found[1]
     assert values(1, state) == [0.0, 0.0, 0.0] and values(4, state) is None
-    assert (brains.records == before).all()
+    assert (learners.records == before).all()
 
 
 async def test_a_growing_arena_match_is_played_back() -> None:
