@@ -15,7 +15,10 @@ from typing import Any, ClassVar
 
 from numba.core import compiler, compiler_machinery, cpu, registry, types
 from numba.core.targetconfig import ConfigStack
+from numba.core.typed_passes import NativeLowering
 from numba.core.typing import Context
+
+from rcss_hat.numeric.lowering import LeanLowering
 
 _UNNEEDED = {
     "WithLifting", "InlineClosureLikes", "MakeFunctionToJitFunction", "InlineInlinables", "InlineOverloads",
@@ -34,7 +37,8 @@ class Pipeline(compiler.CompilerBase):
         """Return the one way to compile a kernel."""
         if not self._passes:
             usual: Any = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
-            self._passes.extend((each, why) for each, why in usual.passes if each.__name__ not in _UNNEEDED)
+            needed = ((each, why) for each, why in usual.passes if each.__name__ not in _UNNEEDED)
+            self._passes.extend((LeanLowering if each is NativeLowering else each, why) for each, why in needed)
         manager = compiler_machinery.PassManager("kernel")
         for each, why in self._passes:
             manager.add_pass(each, why)
