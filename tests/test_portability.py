@@ -17,7 +17,7 @@ from rcss_hat.system import tether
 
 ROOT = Path(__file__).parents[1]
 WITHOUT = """
-import importlib, os, pkgutil, signal, sys, tempfile
+import importlib, os, pkgutil, signal, subprocess, sys, tempfile
 from pathlib import Path
 
 # Other people's packages look after themselves: they are imported while everything is there.
@@ -44,6 +44,8 @@ for module, names in GONE.items():
             delattr(module, name)
 for name in ("fcntl", "grp", "pty", "pwd", "resource", "termios", "tty"):
     sys.modules[name] = None  # "import fcntl" fails
+
+subprocess.Popen.kill = subprocess.Popen.terminate  # which Windows has made one
 
 import fake_server, rcss_hat
 imported = 0
