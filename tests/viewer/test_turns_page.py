@@ -17,7 +17,7 @@ from rcss_hat.viewer.controls import KeyChannel
 from rcss_hat.viewer.demonstrator import Demonstrator, Terms
 from rcss_hat.viewer.room import Manner
 from rcss_hat.viewer.server import Viewer, serve
-from rcss_hat.viewer.stage_game import StageGame
+from rcss_hat.viewer.stage_game import PEEK, StageGame
 from rcss_hat.viewer.turns import Companion
 
 from .audience import played_by
@@ -68,6 +68,7 @@ async def test_a_person_takes_over_gives_back_and_corrects(
     game.countdown = 0
     await page.keyboard.press("?")
     await until_here(lambda: not demonstration.looking)
+    await asyncio.sleep(2 * PEEK)  # by then the game has seen it, too, and counts anew
     await page.keyboard.press("Escape")
     await until(page, "viewer.replay.shown", 30.0)
     assert await page.is_visible("#replay") and not await page.is_visible("#play")
