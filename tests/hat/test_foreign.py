@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import subprocess
 import sys
 import warnings
 import zipfile
@@ -13,9 +14,13 @@ from typing import Any
 import joblib
 import numpy as np
 import pytest
+import skops.io as skops
+from sklearn.ensemble import HistGradientBoostingClassifier, RandomForestClassifier
 from sklearn.linear_model import LinearRegression
+from sklearn.model_selection import train_test_split
+from sklearn.neighbors import KNeighborsClassifier
 from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
+from sklearn.preprocessing import FunctionTransformer, StandardScaler
 from sklearn.tree import DecisionTreeClassifier
 
 from rcss_hat.experiments.sets import package_demonstrations
@@ -145,11 +150,13 @@ def classifier(columns: list[str] | None = None) -> Any:
     return make_pipeline(StandardScaler(), DecisionTreeClassifier(max_depth=3)).fit(table, demonstrations.y)
 
 
-@pytest.mark.parametrize(("name", "named"), [("tree.joblib", False), ("tree.pkl", True)])
+@pytest.mark.parametrize(("name", "named"), [("tree.joblib", False), ("tree.pkl", True), ("tree.skops", True)])
 def test_a_classifier_plays(tmp_path: Path, name: str, named: bool) -> None:
     model, path = classifier([f"s{k}" for k in range(13)] if named else None), tmp_path / name
     if name.endswith(".pkl"):
         path.write_bytes(pickle.dumps(model))
+    elif name.endswith(".skops"):
+        skops.dump(model, path)
     else:
         joblib.dump(model, path)
     with warnings.catch_warnings():
@@ -172,6 +179,24 @@ def test_a_classifier_of_something_else_is_refused(tmp_path: Path) -> None:
     joblib.dump([1, 2], tmp_path / "list.joblib")
     with pytest.raises(PolicyError, match="holds an object of type list, which has no 'predict'"):
         load_policy(str(tmp_path / "list.joblib"), 3, 2, 1)
+
+
+def test_other_classifiers_come_from_skops_but_no_functions_and_nobody_elses_classes(tmp_path: Path) -> None:
+    demonstrations: Any = package_demonstrations("A")
+    for model in (RandomForestClassifier(3), KNeighborsClassifier(3), HistGradientBoostingClassifier(max_iter=3)):
+        skops.dump(model.fit(demonstrations.X, demonstrations.y), tmp_path / "model.skops")
+        policy = load_policy(str(tmp_path / "model.skops"), 3, 2, 1)
+        assert policy.function is not None and policy.function(STATE, INFO) in (0, 1, 2)
+    for stranger in (Task, train_test_split, subprocess.check_output):
+        model = FunctionTransformer(stranger)
+        skops.dump(model, tmp_path / "stranger.skops")
+        with pytest.raises(
+            PolicyError, match=r"cannot be read as a model saved by skops: UntrustedTypesFoundException"
+        ):
+            load_policy(str(tmp_path / "stranger.skops"), 3, 2, 1)
+    (tmp_path / "junk.skops").write_bytes(b"no archive")
+    with pytest.raises(PolicyError, match=r"junk.skops cannot be read as a model saved by skops: BadZipFile"):
+        load_policy(str(tmp_path / "junk.skops"), 3, 2, 1)
 
 
 def test_a_regression_plays_fractions_that_are_refused(tmp_path: Path) -> None:
