@@ -84,6 +84,18 @@ class TeamPolicy:
         self.hold_cycles, self.function, self.on_frame = hold_cycles, function, on_frame
         self.times = DecisionTimes()
 
+    def __getstate__(self) -> object:
+        """Return what is copied or pickled.
+
+        Raises
+        ------
+        TypeError
+            For learners: their brains hold addresses, which a copy does not keep alive, nor another process has.
+        """
+        if self.learners is not None:
+            raise TypeError("a policy of learners cannot be copied or pickled; copy or save its learners instead")
+        return super().__getstate__()
+
     def warm_up(self) -> None:
         """Compile, or load from the cache, what deciding needs; this policy's own records stay as they are."""
         state = np.zeros(n_state_variables(self.keepers, self.takers))

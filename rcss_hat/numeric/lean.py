@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any, ClassVar
 
 from numba.core import compiler, compiler_machinery, cpu, registry, types
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.targetconfig import ConfigStack
 from numba.core.typed_passes import NativeLowering
 from numba.core.typing import Context
@@ -52,20 +53,21 @@ def undisturbed() -> Iterator[None]:
 
     The collector would take a third of the time of a compiler that keeps all it makes.
     """
-    if _open:
-        yield
-        return
-    collects = gc.isenabled()
-    for context in (typing_context(), registry.cpu_target.target_context):
-        context.refresh()
-    _open.append(None)
-    gc.disable()
-    try:
-        yield
-    finally:
-        _open.clear()
-        if collects:
-            gc.enable()
+    with global_compiler_lock:  # which numba takes, too, but later
+        if _open:
+            yield
+            return
+        collects = gc.isenabled()
+        for context in (typing_context(), registry.cpu_target.target_context):
+            context.refresh()
+        _open.append(None)
+        gc.disable()
+        try:
+            yield
+        finally:
+            _open.clear()
+            if collects:
+                gc.enable()
 
 
 class Typing(Context):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import operator
+import threading
 from typing import Any
 
 import numba
@@ -60,6 +61,29 @@ def test_garbage_is_collected_again_after_a_compilation_and_after_one_that_fails
     assert gc.isenabled()
     with pytest.raises(RuntimeError), lean.undisturbed():
         raise RuntimeError
+    assert gc.isenabled()
+
+
+def test_threads_compile_side_by_side() -> None:
+    def plus(much: float) -> Any:
+        @jit.kernel
+        def inner(x: float) -> float:
+            return x + much
+
+        @jit.kernel
+        def outer(x: float) -> float:
+            return 2.0 * inner(x)
+
+        return outer
+
+    kernels = [plus(float(k)) for k in range(8)]
+    found: dict[int, float] = {}
+    threads = [threading.Thread(target=lambda k=k: found.update({k: kernels[k](1.0)})) for k in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == {k: 2.0 + 2.0 * k for k in range(8)}
     assert gc.isenabled()
 
 

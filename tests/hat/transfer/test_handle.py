@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import gc
+import pickle
 import weakref
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 from rcss_hat.hat.brains import choose, finish, learned_brains
 from rcss_hat.hat.decision_list import PAPER_RULES
+from rcss_hat.hat.policy import learners_policy, load_policy
 from rcss_hat.hat.rule_rows import deciding_row
 from rcss_hat.hat.transfer import Learners
 from rcss_hat.hat.transfer.handle import handle_of
@@ -63,3 +66,11 @@ def test_weights_with_gaps_are_refused() -> None:
     learners.weights = np.repeat(learners.weights, 2, axis=2)[:, :, ::2]
     with pytest.raises(ValueError, match="in C's order"):
         handle_of(learners)
+
+
+def test_a_policy_of_learners_is_not_copied_with_addresses_that_nobody_keeps() -> None:
+    policy = learners_policy(team("no-prior"), None)
+    for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="cannot be copied or pickled; copy or save its learners"):
+            copied(policy)
+    assert pickle.loads(pickle.dumps(load_policy("hand", 3, 2, 1))).spec == "hand"
