@@ -65,9 +65,10 @@ def check(study_file: str) -> None:
     lines.append(f"Steps of {participant_name(1)}:")
     for planned in plan_of(found, 1):
         game = planned.game
-        played = (
-            "" if game is None else f", {game.episodes} games of {game.task.size} at {game.speed:g} times real time"
-        )
+        played = ""
+        if game is not None:
+            size, speed = game.task.size, f"{game.speed:g} times real time"
+            played = f", {game.episodes} games of {size} at {speed}{game.described}"
         lines.append(f"  {planned.name} ({planned.step_kind}{played})")
     deliver("\n".join(lines))
 

@@ -29,6 +29,10 @@ DECISIONS = {
     "keeper": "Uniform number of the keeper with the ball.",
     "s0 ...": "The state variables as this keeper perceives them, metres and degrees; the header names them.",
     "action": "What was decided: 0 Hold, 1 PASS1 (to the team mate he takes for the nearest), 2 PASS2, and so on.",
+    "by": "Who decided: `person`, or `learner`, who plays while the participant does not. Only in games with `keepers` "
+    "or `correct`.",
+    "right": "What the participant called right when he looked at the game again; empty where he said nothing. Only "
+    "there.",
 }
 _TITLES = {"keys": "every key", "frames": "when pictures were made", "pace": "how pictures came to the page"}
 

@@ -59,7 +59,13 @@ EVENTS: dict[str, dict[str, str]] = {
         "cycle": "Cycle in which it did.",
         "from_ms": "When it stopped.",
         "why": "`start`: not begun, `away`: no page open, `hidden`: page not in sight or behind a dialog, "
-        "`asked`: whether anybody is there.",
+        "`asked`: whether anybody is there, `replay`: the game was looked at again.",
+    },
+    "correction": {
+        "step": "Step of the games.",
+        "match": "Match of the game that was looked at again.",
+        "cycle": "Cycle of the decision.",
+        "action": "What the participant called right; null: what was played, after all.",
     },
     "page": {
         "state": "`opened`, `closed` (also when the network broke), or `replaced` by a newer one.",
@@ -73,7 +79,8 @@ EVENTS: dict[str, dict[str, str]] = {
     },
     "command": {
         "step": "Step of the games.",
-        "value": "What was pressed beside passes: `start`, `here`, or `stop` where practice may be ended.",
+        "value": "What was pressed beside passes: `start`, `here`, `stop` where practice may be ended, `take` and "
+        "`give` of turns, `seen` when a game was looked at again.",
     },
     "lag": {
         "step": "Step of the games.",

@@ -282,7 +282,6 @@ class Participant:
         assert game is not None
         played = self.progress.played[current.name]
         match = played.matches + 1
-        limited = f", {', '.join(map(str, game.actions))} allowed" if game.limited else ""
         kind = "rehearsal" if self._folder.rehearsal else "study"
         study = self._folder.study
         chosen = self.progress.language
@@ -297,6 +296,8 @@ class Participant:
             speed=game.speed,
             hurry=self._hurry,
             actions=game.actions,
+            keepers=game.keepers,
+            correct=game.correct,
             games=self.progress.wanted(current.name),
             played=len(played.games),
             match=match,
@@ -307,7 +308,7 @@ class Participant:
             may_end=isinstance(current.step, PracticeStep) and current.step.may_end,
             origin=self._clock.origin,
             language=chosen if chosen in study.languages else study.language,
-            note=f"{kind}, {current.name}: {game.speed:g} times real time{limited}",
+            note=f"{kind}, {current.name}: {game.speed:g} times real time{game.described}",
             date=str(self.about["begun"])[:10],
         )
 

@@ -53,6 +53,11 @@ class GameOptions(Part, frozen=True, kw_only=True):
         Games that are played.
     seeds : {"own", "same"}
         Whether everybody plays matches of his own, or all play the same.
+    keepers : str
+        Who plays while the participant does not: ``person``, nobody; ``hold``, ``random``, ``hand``; or a decision
+        list, by its file in the study's file, by its content once that is read. A key of the participant's takes over.
+    correct : bool
+        Whether participants look at every game again, and say what would have been right.
     """
 
     size: Short | None = None
@@ -63,6 +68,8 @@ class GameOptions(Part, frozen=True, kw_only=True):
     actions: tuple[Short, ...] | None = None
     episodes: Games | None = None
     seeds: Literal["own", "same"] | None = None
+    keepers: str | None = None
+    correct: bool | None = None
 
 
 class Condition(GameOptions, frozen=True, kw_only=True):

@@ -21,7 +21,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from rcss_hat.hat.decision_list import DecisionList
+from rcss_hat.hat.policy import FIXED
 from rcss_hat.inputs import FileFormatError, check_name, excerpt, read_text
+from rcss_hat.keepaway.decision import PERSON
 from rcss_hat.schema import MAX_TOML, did_you_mean, parse_toml, read, toml_text
 from rcss_hat.studies.parts import (
     STEPS,
@@ -102,7 +105,8 @@ def _study(file: PeopleFile, folder: Path) -> PeopleStudy:
     if not file.languages or len(set(file.languages)) != len(file.languages):
         raise PeopleError("languages: name each language once, the first one first")
     conditions = tuple(
-        read(Condition, entry, _where(entry, "condition", k)) for k, entry in enumerate(file.condition, 1)
+        read(Condition, _with_rules(entry, where, folder), where)
+        for where, entry in ((_where(entry, "condition", k), entry) for k, entry in enumerate(file.condition, 1))
     )
     _check_names((c.name for c in conditions), "conditions")
     steps = tuple(_step(entry, k, folder) for k, entry in enumerate(file.step, 1))
@@ -113,7 +117,7 @@ def _study(file: PeopleFile, folder: Path) -> PeopleStudy:
         participants=file.participants,
         design=file.design,
         languages=file.languages,
-        game=read(GameOptions, file.game, "[game]"),
+        game=read(GameOptions, _with_rules(file.game, "[game]", folder), "[game]"),
         conditions=conditions or (Condition(name=EVERYBODY),),
         steps=steps,
     )
@@ -133,7 +137,7 @@ def _step(entry: Any, number: int, folder: Path) -> Any:
     if not isinstance(kind, str) or kind not in STEPS:
         suggestion = did_you_mean(str(kind), STEPS)
         raise PeopleError(f"{where}: kind must be one of {', '.join(STEPS)}, not {excerpt(kind)}{suggestion}")
-    entry = _with_files(entry, where, folder)
+    entry = _with_rules(_with_files(entry, where, folder), where, folder)
     if kind == "questions":
         return _questions(entry, where)
     return read(STEPS[kind], entry, where)
@@ -154,6 +158,21 @@ def _with_files(entry: dict[str, Any], where: str, folder: Path) -> dict[str, An
     except FileFormatError as problem:
         raise PeopleError(f"{where}: {problem}") from problem
     return {**{name: value for name, value in entry.items() if name != "file"}, "text": text}
+
+
+def _with_rules(entry: Any, where: str, folder: Path) -> Any:
+    """Put the decision list of a file, named by ``keepers``, where its name is: a study keeps all that it needs."""
+    named = entry.get("keepers") if isinstance(entry, dict) else None
+    if not isinstance(named, str) or named in (PERSON, *FIXED) or named.startswith("{"):
+        return entry
+    try:
+        return {**entry, "keepers": DecisionList.load(folder / named).to_json()}
+    except (OSError, ValueError) as problem:
+        known = [PERSON, *FIXED]
+        raise PeopleError(
+            f"{where}: keepers must be one of {', '.join(known)} or the file of a decision list, not "
+            f"{excerpt(named)}{did_you_mean(named, known)} ({problem})"
+        ) from problem
 
 
 def _file_text(folder: Path, name: Any, where: str) -> str:

@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 from msgspec.structs import fields
 
-from rcss_hat.keepaway.decision import action_name
+from rcss_hat.hat.decision_list import DecisionList
+from rcss_hat.hat.policy import FIXED, TeamPolicy, load_policy, rules_policy
+from rcss_hat.keepaway.decision import PERSON, action_name
 from rcss_hat.keepaway.task import Task
 from rcss_hat.numeric.seeds import derived_seed
 from rcss_hat.studies.parts import (
@@ -51,6 +53,10 @@ class Game:
     episodes : int
     seed : int
         Of its first match.
+    keepers : str
+        Who plays while the participant does not, see `GameOptions`.
+    correct : bool
+        Whether participants look at every game again, and say what would have been right.
     """
 
     task: Task
@@ -58,11 +64,24 @@ class Game:
     actions: tuple[int, ...]
     episodes: int
     seed: int
+    keepers: str
+    correct: bool
 
     @property
     def limited(self) -> bool:
         """Whether people may do less than the keepers can."""
         return len(self.actions) < self.task.keepers
+
+    @property
+    def described(self) -> str:
+        """What is unusual about it, for people: begins with a comma where anything is."""
+        partner = self.keepers if self.keepers in FIXED else "a decision list"
+        unusual = [
+            (self.limited, f"{', '.join(map(str, self.actions))} allowed"),
+            (self.keepers != PERSON, f"turns with {partner}"),
+            (self.correct, "looked at again"),
+        ]
+        return "".join(f", {what}" for holds, what in unusual if holds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +173,8 @@ def _game(study: PeopleStudy, place: int, step: GameStep, condition: Condition |
             chosen["size"] or "3v2", chosen["field"], chosen["vision"] or 360, chosen["profile"] or "19.0"
         )
         actions = _actions(chosen["actions"], task.keepers)
+        keepers = chosen["keepers"] or PERSON
+        companion_policy(keepers, task, 0)
     except ValueError as problem:
         raise ValueError(f"{where}: {problem}") from problem
     if chosen["episodes"] is None:
@@ -162,7 +183,32 @@ def _game(study: PeopleStudy, place: int, step: GameStep, condition: Condition |
     row = 0 if condition is None else 1 + [c.name for c in study.conditions].index(condition.name)
     whose = place if chosen["seeds"] != "same" else 0
     seed = derived_seed(study.seed, _MATCHES, whose, number, row)
-    return Game(task, chosen["speed"] or 1.0, actions, chosen["episodes"], seed)
+    return Game(task, chosen["speed"] or 1.0, actions, chosen["episodes"], seed, keepers, bool(chosen["correct"]))
+
+
+def companion_policy(keepers: str, task: Task, seed: int) -> TeamPolicy | None:
+    """Return the policy that plays while the participant does not; None: there is none.
+
+    Parameters
+    ----------
+    keepers : str
+        ``person``, the name of a fixed policy, or a decision list as JSON.
+    task : Task
+    seed : int
+
+    Raises
+    ------
+    ValueError
+        When it is for teams of another size, or no decision list.
+    """
+    if keepers == PERSON:
+        return None
+    if keepers in FIXED:
+        return load_policy(keepers, task.keepers, task.takers, seed)
+    rules = DecisionList.from_json(keepers)
+    if (rules.keepers, rules.takers) != (task.keepers, task.takers):
+        raise ValueError(f"keepers: the decision list is for {rules.keepers}v{rules.takers}, the game is {task.size}")
+    return rules_policy(rules, seed)
 
 
 def _last(layers: list[GameOptions], name: str) -> Any:

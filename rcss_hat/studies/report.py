@@ -19,7 +19,7 @@ from rcss_hat.studies.inference import Components, between, components, within
 from rcss_hat.studies.learned import learned_blocks
 from rcss_hat.studies.parts import said
 from rcss_hat.studies.power import Power, power_of
-from rcss_hat.studies.shown import MEASURES, Shown, shown_by
+from rcss_hat.studies.shown import MEASURES, Shown, measured, shown_by, too_little
 from rcss_hat.studies.tables import COLUMNS, tables_of
 from rcss_hat.system.files import write_text
 
@@ -31,7 +31,8 @@ over participants, p is Welch's, or within participants that of a t-test of the 
 number of comparisons. **Latency**: median real time from a keeper's getting the ball to the key that was played.
 **Consistency**: how well it can be told from a participant's decisions in other games, by the 25 most similar ones,
 whether he passes (area under the ROC curve; 0.5: not at all, 1: always). **Accuracy of the rules**: stratified 10-fold
-cross-validation, as in the paper."""
+cross-validation, as in the paper. Where somebody plays while the participant does not, games are of both; passes,
+consistency and rules are of what the participant decided himself or called right afterwards."""
 SIZES = (4, 8, 12, 20, 30, 50)
 """Participants per condition whose power is told."""
 
@@ -97,12 +98,15 @@ def _demonstrated(folder: StudyFolder, shown: Sequence[Shown], people: Sequence[
             "Condition": s.condition or "–",
             "Games": len(s.demonstration),
         }
-        rows.append(row | {_title(m): _number(s.figures[m], MEASURES[m][2]) for m in MEASURES})
+        rows.append(row | {_title(m): _number(s.figures[m], MEASURES[m][2]) for m in measured(shown)})
     blocks: list[Block] = [
         Heading("Demonstrations"),
         Paragraph(" ".join(METHOD.split())),
         TableBlock(pd.DataFrame(rows), name="demonstrations"),
     ]
+    left_out = [step for kept in people for step in too_little(kept)]
+    if left_out:
+        blocks.append(Paragraph(f"Left out, for there is nothing to learn from: {'; '.join(left_out)}."))
     conditions = [c.name for c in folder.study.conditions if any(s.condition == c.name for s in shown)]
     if len(conditions) > 1:
         blocks += [Heading("Conditions", 3), TableBlock(_condition_table(conditions, shown), name="conditions")]
@@ -139,7 +143,8 @@ def _condition_table(conditions: Sequence[str], shown: Sequence[Shown]) -> pd.Da
     for condition in conditions:
         row: dict[str, Any] = {"Condition": condition}
         row["Participants"] = len({s.participant for s in shown if s.condition == condition})
-        for measure, (_, _, decimals) in MEASURES.items():
+        for measure in measured(shown):
+            decimals = MEASURES[measure][2]
             values = list(_values(shown, condition, measure).values())
             spread = f" ± {np.std(values, ddof=1) / np.sqrt(len(values)):.{decimals}f}" if len(values) > 1 else ""
             row[_title(measure)] = (_number(float(np.mean(values)), decimals) + spread) if values else "–"
@@ -149,7 +154,7 @@ def _condition_table(conditions: Sequence[str], shown: Sequence[Shown]) -> pd.Da
 
 def _compared(folder: StudyFolder, conditions: Sequence[str], shown: Sequence[Shown]) -> pd.DataFrame:
     rows = []
-    for measure in MEASURES:
+    for measure in measured(shown):
         values = {c: _values(shown, c, measure) for c in conditions}
         found: Mapping[tuple[str, str], Comparison]
         if all(len(set(v.values())) < 2 for v in values.values()):

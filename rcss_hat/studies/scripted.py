@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rcss_hat.hat.teachers import ScriptedTeacher, Teacher, style
+from rcss_hat.keepaway.decision import PERSON
 
 AGAIN = 1.0
 """Seconds until he tries again when the server does not answer, or a page is closed."""
@@ -32,6 +33,8 @@ TELLS = 20
 """Pictures after which his page tells how they came."""
 REACH = 20.0
 """Seconds without a picture or a word, after which he loads the page again."""
+LOOKS_AGAIN = 8.0
+"""Seconds for which he looks at a game again."""
 _VARIETY = {"delay": 0.15, "pass_distance": 0.12, "open": 0.08, "misjudgement": 0.4, "lapse": 0.5, "unready": 0.5}
 """How people of one style differ: standard deviations of the logarithm."""
 
@@ -202,6 +205,7 @@ class _Game:
         self._last: float | None = None
         self._intervals: list[int] = []
         self._answering: asyncio.Task[None] | None = None
+        self._again: list[int] = []  # cycles of the decisions that he is shown again
 
     async def take(self, message: dict[str, Any]) -> bool:
         """Take a message; False: the game is over."""
@@ -213,6 +217,8 @@ class _Game:
             self._take_status(message)
         elif kind == "episode":
             self._player.told.games += 1
+        elif kind == "replay" and message["frames"]:
+            self._again = [decision["cycle"] for decision in message["decisions"]]
         elif kind == "frame":
             await self._look(message["frame"])
         return bool(kind != "farewell")
@@ -221,13 +227,16 @@ class _Game:
         self._status = status
         if status["standing"]:
             self._last = None
-        wanted = "start" if not status["started"] else "here" if status["asking"] else None
+        asked = ("start", not status["started"]), ("here", status["asking"]), ("seen", status["replaying"])
+        wanted = next((command for command, holds in asked if holds), None)
         if wanted and (self._answering is None or self._answering.done()):
             self._answering = asyncio.create_task(self._answer(wanted))
 
     async def _answer(self, command: str) -> None:
-        await asyncio.sleep(1.0 / self._player.hurry)
+        await asyncio.sleep((LOOKS_AGAIN if command == "seen" else 1.0) / self._player.hurry)
         with contextlib.suppress(ConnectionError):
+            if command == "seen" and self._again:
+                await self._socket.send_json({"type": "correct", "cycle": self._again.pop(), "action": 0})
             await self._socket.send_json({"type": "demonstration", "value": command})
 
     async def _look(self, frame: dict[str, Any]) -> None:
@@ -241,6 +250,8 @@ class _Game:
             self._episode = frame["episode"]
             self._teacher.new_episode()
             self._seen = None
+            if self._status["turns"] and self._status["by"] == PERSON:
+                await self._socket.send_json({"type": "demonstration", "value": "give"})
         key = self._show(self._teacher, frame)
         again = frame["time"] - self._pressed[0] >= PRESSES or frame["holder"] != self._pressed[1]
         if key and frame["pending"] is None and frame["holder"] and again and not self._status["standing"]:

@@ -21,6 +21,9 @@ class GameSpec(Struct, frozen=True, kw_only=True):
     hurry : float
         How much faster still, in a rehearsal.
     actions : tuple of int
+    keepers : str
+        See `rcss_hat.studies.parts.GameOptions`.
+    correct : bool
     games : int
         How many in all.
     played : int
@@ -55,6 +58,8 @@ class GameSpec(Struct, frozen=True, kw_only=True):
     speed: float
     hurry: float
     actions: tuple[int, ...]
+    keepers: str
+    correct: bool
     games: int
     played: int
     match: int

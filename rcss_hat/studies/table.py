@@ -12,12 +12,14 @@ from typing import Any, NamedTuple
 from rcss_hat.hat.demonstration_writer import DemonstrationWriter
 from rcss_hat.hat.demonstrations import DemonstrationInfo
 from rcss_hat.hat.policy import python_policy
+from rcss_hat.keepaway.decision import PERSON
 from rcss_hat.keepaway.report import Episode
 from rcss_hat.keepaway.task import Task
 from rcss_hat.stage.place import ARENA, Place
 from rcss_hat.stage.stages import open_stage
 from rcss_hat.studies.clock import since
 from rcss_hat.studies.game_files import TABLES, GrowingTable, table_path
+from rcss_hat.studies.plan import companion_policy
 from rcss_hat.studies.spec import MATCH_OVER, GameSpec
 from rcss_hat.system.files import NotWritten
 from rcss_hat.system.locks import InUse
@@ -28,6 +30,7 @@ from rcss_hat.viewer.demonstrator import Demonstrator, Terms
 from rcss_hat.viewer.frames import Frame
 from rcss_hat.viewer.room import Manner, Room
 from rcss_hat.viewer.stage_game import StageGame
+from rcss_hat.viewer.turns import Companion
 
 COUNTDOWN = 3
 """Seconds from the participant's coming to the first cycle."""
@@ -117,8 +120,14 @@ class Table:
         keys = KeyChannel(spec.actions)
         keys.on_fate = self._became
         # A pause would let people choose which games count; who looks away stops the game, and it counts.
-        commands = ("start", "here", *(("stop",) if spec.may_end else ()))
-        self._keys, self._commands = keys, commands
+        commands = ["start", "here"]
+        for wanted, more in (
+            (spec.may_end, ["stop"]),
+            (spec.keepers != PERSON, ["take", "give"]),
+            (spec.correct, ["seen"]),
+        ):
+            commands += more if wanted else []
+        self._keys, self._commands = keys, tuple(commands)
         self._demonstrator: Demonstrator | None = None
         self._room: WatchedRoom | None = None
         self._entered: dict[int, Browser] = {}
@@ -128,7 +137,7 @@ class Table:
     async def run(self) -> None:
         """Play until all games are played, or the table is closed."""
         await self._open_writer()
-        self._demonstrator = demonstrator = Demonstrator(self._keys, self._writer, self._terms())
+        self._demonstrator = demonstrator = Demonstrator(self._keys, self._writer, self._terms(), self._companion())
         if self._writer is None:
             demonstrator.on_kept = self._practised
         finished = self._played >= self._games
@@ -144,8 +153,12 @@ class Table:
     def _terms(self) -> Terms:
         missing = self._games - (0 if self._writer is not None else self.spec.played)
         return Terms(
-            episodes=missing, start=True, at_once=True, speed=self.spec.speed * self.spec.hurry, commands=self._commands
+            missing, True, True, self.spec.speed * self.spec.hurry, correct=self.spec.correct, commands=self._commands
         )
+
+    def _companion(self) -> Companion | None:
+        policy = companion_policy(self.spec.keepers, self._task(), self.spec.seed)
+        return None if policy is None else Companion(policy)
 
     async def _play(self, demonstrator: Demonstrator) -> None:
         spec, task = self.spec, self._task()
@@ -175,8 +188,9 @@ class Table:
             return
         task, spec, deadline = self._task(), self.spec, time.monotonic() + PATIENCE
         info = DemonstrationInfo(
-            spec.participant, ARENA, task, task.server_values(), spec.base_seed, spec.date, spec.note
-        )
+            spec.participant, ARENA, task, task.server_values(), spec.base_seed, spec.date, spec.note,
+            spec.correct or spec.keepers != PERSON,
+        )  # fmt: skip
         while True:
             try:
                 self._writer = KeptGames(self._folder / f"{spec.step}.csv", info, self._flush_keys, self._recorded)
@@ -266,6 +280,8 @@ class Table:
                 self._current = _Moment(self._ms(now), held)
                 if isinstance(message, protocol.Command):
                     self._emit("command", value=message.value)
+            case protocol.Correct(cycle, action):
+                self._emit("correction", match=self.spec.match, cycle=cycle, action=action)
             case protocol.Pace(intervals):
                 self._paced(intervals)
 
@@ -302,23 +318,36 @@ class Table:
         d = self._demonstrator
         if d is None or d.finished:
             return None
-        reasons = ("away", d.away), ("start", not d.started), ("asked", d.asking), ("hidden", not d.looking)
+        reasons = (
+            ("away", d.away),
+            ("start", not d.started),
+            ("asked", d.asking),
+            ("hidden", not d.looking),
+            ("replay", d.replaying),
+        )
         return next((name for name, holds in reasons if holds), None)
 
     async def _watch(self, demonstrator: Demonstrator) -> None:
         """Take down when the game stands still, and now and then how pictures come through."""
         why, since_ms, cycle, told = self._why(), self._ms(), self._cycle, time.monotonic()
-        while True:
-            await asyncio.sleep(LOOK)
-            now = self._why()
-            self._stood_since_pace |= now is not None
-            if now != why:
-                if why is not None:
-                    self._emit("stood", match=self.spec.match, cycle=cycle, from_ms=since_ms, why=why)
-                why, since_ms, cycle = now, self._ms(), self._cycle
-            if time.monotonic() - told > TOLD:
-                self._tell_lag()
-                told = time.monotonic()
+
+        def stood() -> None:
+            if why is not None:
+                self._emit("stood", match=self.spec.match, cycle=cycle, from_ms=since_ms, why=why)
+
+        try:
+            while True:
+                await asyncio.sleep(LOOK)
+                now = self._why()
+                self._stood_since_pace |= now is not None
+                if now != why:
+                    stood()
+                    why, since_ms, cycle = now, self._ms(), self._cycle
+                if time.monotonic() - told > TOLD:
+                    self._tell_lag()
+                    told = time.monotonic()
+        finally:
+            stood()  # in the last game, until its end
 
     # -- games that are over ------------------------------------------------------------------------------------------
     def _flush_keys(self) -> None:

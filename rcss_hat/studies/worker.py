@@ -14,7 +14,7 @@ from typing import Any
 
 import msgspec
 
-from rcss_hat.hat.policy import python_policy
+from rcss_hat.hat.policy import load_policy, python_policy
 from rcss_hat.keepaway.task import Task
 from rcss_hat.stage.place import ARENA, Place
 from rcss_hat.stage.stages import Part, open_stage
@@ -107,6 +107,7 @@ class Worker:
 def _warm_up() -> None:
     """Compile or load everything that a game needs, so that nobody's pictures stop when somebody else begins."""
     task = Task()
+    load_policy("hold", task.keepers, task.takers, 0).warm_up()
     policy = python_policy(lambda state, info: 0, task.keepers, task.takers, "person")
     setup, frames = Setup.from_params("", task.params()), list[Any]()
     with open_stage(Place(ARENA), task, 0, policy) as stage:

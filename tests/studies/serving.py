@@ -11,6 +11,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from rcss_hat.hat.demonstrations import DemonstrationSet
+from rcss_hat.keepaway.decision import LEARNER
 from rcss_hat.studies.folder import Kept, StudyFolder
 
 
@@ -86,7 +87,8 @@ def whole(kept: Kept) -> None:
         passes = played_keys(kept.folder / f"{planned.name}.keys.csv")
         for game, shown in zip(games, demonstration, strict=True):
             mine = {cycle for match, cycle in passes if match == game["match"] and game["start"] <= cycle < game["end"]}
-            assert mine == set(shown.cycles[shown.actions > 0].tolist())
+            his = [d.cycle for d in shown.decisions if d.action > 0 and d.by != LEARNER]
+            assert mine == set(his)
 
 
 def played_keys(path: Path) -> set[tuple[int, int]]:

@@ -11,6 +11,7 @@ import pytest
 
 from rcss_hat.experiments.sets import package_demonstrations
 from rcss_hat.experiments.study_file import parse_study
+from rcss_hat.hat.demonstration import Demonstration
 from rcss_hat.hat.demonstrations import DemonstrationSet
 from rcss_hat.inputs import FileFormatError
 from rcss_hat.studies.clock import utc_text
@@ -69,6 +70,22 @@ def played(folder: StudyFolder, place: int) -> None:
                 answers={"often": "never", "age": 30 + place, "which": ["a", "c"], "words": None},
             )
         note("done", step=planned.name, by="participant")
+
+
+def test_who_decided_too_little_is_named_and_left_out(folder: StudyFolder, tmp_path: Path) -> None:
+    mine = folder.folder_of(1)
+    table = next(file for file in mine.glob("play-*.csv") if file.with_suffix(".json").exists())
+    shown = DemonstrationSet.load(table)
+    few = [
+        Demonstration.of(d.episode, d.teacher, d.decisions[:k], 13, d.idle)
+        for k, d in zip((1, 1, 0), shown, strict=True)
+    ]
+    DemonstrationSet(shown.info, tuple(few)).save(table)
+    write_people_report(folder, tmp_path / "report")
+    told = (tmp_path / "report" / "report.md").read_text()
+    assert f"nothing to learn from: p001 in {table.stem}: 2 decisions of his own." in told
+    assert "| p001 |" not in told.partition("## Demonstrations")[2].partition("##")[0]
+    assert "| p002 |" in told
 
 
 @pytest.fixture
