@@ -68,7 +68,8 @@ def check(study_file: str) -> None:
         played = ""
         if game is not None:
             size, speed = game.task.size, f"{game.speed:g} times real time"
-            played = f", {game.episodes} games of {size} at {speed}{game.described}"
+            games = "1 game" if game.episodes == 1 else f"{game.episodes} games"
+            played = f", {games} of {size} at {speed}{game.described}"
         lines.append(f"  {planned.name} ({planned.step_kind}{played})")
     deliver("\n".join(lines))
 

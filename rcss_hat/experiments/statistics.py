@@ -8,6 +8,7 @@ means, and Cliff's delta. Trials that share one set of demonstrations speak abou
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -235,7 +236,8 @@ def compare_with_number(values: ArrayLike, number: float, seed: int = 0) -> Comp
     sample = _sample(values, 2)
     difference, deviation = float(sample.mean()) - number, float(sample.std(ddof=1))
     if _is_constant(sample):
-        p, low, high, deviation = (1.0 if difference == 0.0 else 0.0), difference, difference, 0.0
+        same = _is_constant(np.append(sample, number))
+        p, low, high, deviation = (1.0 if same else 0.0), difference, difference, 0.0
     else:
         p = float(stats.ttest_1samp(sample, number).pvalue)
         rng = np.random.default_rng(seed)
@@ -301,10 +303,12 @@ def _standardised(difference: float, deviation: float, degrees: int) -> float:
 def _t_test(a: ArrayLike, b: ArrayLike, equal_variances: bool) -> TTest:
     first, second = _sample(a, 2), _sample(b, 2)
     if _is_constant(first) and _is_constant(second):  # no variance at all: the test has no answer, the eye has
-        same = first[0] == second[0]
+        same = _is_constant(np.concatenate([first, second]))
         statistic = 0.0 if same else math.copysign(math.inf, first[0] - second[0])
         return TTest(statistic, float(first.size + second.size - 2), 1.0 if same else 0.0)
-    result = stats.ttest_ind(first, second, equal_var=equal_variances)
+    with warnings.catch_warnings():  # one may be constant: its variance is nothing then, which is right
+        warnings.filterwarnings("ignore", "Precision loss", RuntimeWarning)
+        result = stats.ttest_ind(first, second, equal_var=equal_variances)
     return TTest(float(result.statistic), float(result.df), float(result.pvalue))
 
 
@@ -316,4 +320,4 @@ def _sample(values: ArrayLike, at_least: int) -> NDArray[np.float64]:
 
 
 def _is_constant(sample: NDArray[np.float64]) -> bool:
-    return bool((sample == sample[0]).all())
+    return bool(np.ptp(sample) <= 1e-12 * np.abs(sample).max())  # what rounding leaves is no variance

@@ -19,7 +19,7 @@ from rcss_hat.studies.inference import Components, between, components, within
 from rcss_hat.studies.learned import learned_blocks
 from rcss_hat.studies.parts import said
 from rcss_hat.studies.power import Power, power_of
-from rcss_hat.studies.shown import MEASURES, Shown, measured, shown_by, too_little
+from rcss_hat.studies.shown import MEASURES, USUAL, Shown, measured, shown_by, too_little
 from rcss_hat.studies.tables import COLUMNS, tables_of
 from rcss_hat.system.files import write_text
 
@@ -155,6 +155,8 @@ def _condition_table(conditions: Sequence[str], shown: Sequence[Shown]) -> pd.Da
 def _compared(folder: StudyFolder, conditions: Sequence[str], shown: Sequence[Shown]) -> pd.DataFrame:
     rows = []
     for measure in measured(shown):
+        if measure in USUAL:
+            continue  # it is the condition that decides it
         values = {c: _values(shown, c, measure) for c in conditions}
         found: Mapping[tuple[str, str], Comparison]
         if all(len(set(v.values())) < 2 for v in values.values()):

@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from rcss_hat.experiments import statistics as st
 
@@ -81,6 +83,21 @@ def test_bootstrap_intervals_hold_the_true_difference_about_as_often_as_they_say
         found = st.bootstrap_difference(a, b, seed=trial, resamples=600)
         hits += found.low <= 1.0 <= found.high
     assert 0.88 <= hits / 200 <= 0.99
+
+
+def test_what_rounding_leaves_is_no_variance() -> None:
+    third = [0.1 + 0.2, 0.3, 0.3]
+    assert st.student_t(third, [0.3, 0.3]).p == st.welch_t(third, [0.3, 0.3]).p == 1.0
+    assert st.compare_with_number(third, 0.3).p_welch == 1.0
+    assert st.welch_t(third, [0.4, 0.4]).p == 0.0
+
+
+def test_a_constant_sample_is_compared_with_one_that_varies_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = st.welch_t([0.81] * 4, [0.8, 0.83, 0.79, 0.9])
+    wanted = stats.ttest_1samp([0.8, 0.83, 0.79, 0.9], 0.81)
+    assert found.p == pytest.approx(wanted.pvalue)
 
 
 def test_bootstrap_without_variance() -> None:
