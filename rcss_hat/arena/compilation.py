@@ -1,6 +1,6 @@
 """First start: compile the loop's two halves, players and the rest, in two processes at a time.
 
-Compilation takes most of a minute of processor time, and numba compiles one function at a time. Both processes write
+Compilation takes some twenty seconds of processor time, and numba compiles one function at a time. Both processes write
 to the cache of compiled kernels; afterwards the loop itself is compiled from what they left there.
 """
 

@@ -127,7 +127,7 @@ def compiling(say: Callable[[str], None], what: str, *modules: str) -> Iterator[
     if is_cached(*modules):
         yield
         return
-    say(f"Compiling {what} (once per version, about a minute) ...")
+    say(f"Compiling {what} (once per version, up to a minute) ...")
     compilation, over = Compilation(_kernels_of(modules)), threading.Event()
 
     def repeat() -> None:

@@ -213,7 +213,7 @@ def test_compiling_says_how_long_it_has_taken(
         with contextlib.suppress(SystemExit):
             cli.main([str(a) for a in arguments], standalone_mode=False)
         said.extend(capsys.readouterr().err.splitlines())
-        compiling = said.index("Compiling the players and the simulation (once per version, about a minute) ...")
+        compiling = said.index("Compiling the players and the simulation (once per version, up to a minute) ...")
         assert sum(line.startswith(label) for line in said[compiling:]) >= 2, said
         assert said[-1].startswith(label.replace(": 0 ", ": 1 "))
 

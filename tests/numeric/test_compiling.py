@@ -64,7 +64,7 @@ def test_what_takes_so_long_is_said_and_how_far_it_is(monkeypatch: pytest.Monkey
         time.sleep(0.1)
 
     said = words_of(call, monkeypatch)
-    assert said[0] == "Compiling the players (once per version, about a minute) ..."
+    assert said[0] == "Compiling the players (once per version, up to a minute) ..."
     assert said[-1] == "  1 of 3 kernels compiled"
 
 
