@@ -111,6 +111,8 @@ def pace(sources: Path, stage: list[str], episodes: int) -> Pace:
     """Return what a cycle takes with the sources in some folder."""
     few, _, start = _played(sources, stage, 1)
     cycles, wall, processor = _played(sources, stage, episodes)
+    if processor <= start or cycles <= few:
+        raise SystemExit(f"{sources}: {episodes} episodes took no longer than one; give more --episodes")
     return Pace(wall / cycles * 1e6, (processor - start) / (cycles - few) * 1e6)
 
 
@@ -121,6 +123,8 @@ def compare(other: Path, found: str | None, stages: list[str], episodes: int, pa
         if name not in stages or (name == "real" and found is None):
             continue
         ratios = []
+        for sources in (HERE, other):
+            _played(sources, stage, 1)  # what is not compiled yet is compiled in here
         for k in range(pairs):
             order = (HERE, other) if k % 2 else (other, HERE)  # who begins may find the machine warmer
             took = {sources: pace(sources, stage, episodes) for sources in order}

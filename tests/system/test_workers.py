@@ -27,6 +27,8 @@ def busy(folder: str, number: int) -> None:
 
 
 def squared(number: int) -> int:
+    """Take longer than it takes to look at a result."""
+    time.sleep(0.02)
     return number**2
 
 
